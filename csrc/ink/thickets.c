@@ -7,8 +7,10 @@
 #include "fine/near.h"
 
 /* Px from node to node of the grids on which ink is weighed, at least 2 pixels: where lines get thinner, as about a
- * small eye, and where some of a mass are left out, which would come and go with fewer of them to a node. */
-static const float dense = 12, sparse = 20, least_node = 2;
+ * small eye, whose bare cheek far nodes would count as room in it; and where some of a mass are left out, which would
+ * come and go with fewer of them to a node. A line of 4 px by itself covers .29 of a near node at most, which most
+ * presets allow. */
+static const float dense = 7, sparse = 20, least_node = 2; /* test_fine_ink */
 
 enum { PLANES = 64 };
 

@@ -230,16 +230,20 @@ def test_of_too_many_lines_some_are_left_out_and_the_others_black():
     assert (few[1:][black[:-1]] > 0.5).mean() > 0.9  # strokes, not crumbs
 
 
+def bodies(number, **values):
+    """The ink of what is seen of bodies of these numbers, each farther away than the one before."""
+    number, flat = number[..., None], np.ones((*number.shape, 3))
+    layers = dict(combined=np.ones((*flat.shape[:2], 4)), color=flat, diffuse=flat, depth=4.0 + 8 * number,
+                  normal=flat * (0, 0, 1), object=number + 1)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    values = {**hands.PLAIN, "length_unit": "PIXELS", **values}
+    return library.render(layers, values, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+
+
 def beside(*columns, **values):
     """The ink of a row in the middle, where one body borders on the next at these columns."""
     shape = 160, 160
-    body = np.broadcast_to((np.arange(shape[1])[:, None] >= columns).sum(1), shape)[..., None]
-    flat = np.ones((*shape, 3))
-    layers = dict(combined=np.ones((*shape, 4)), color=flat, diffuse=flat, depth=4.0 + 8 * body,
-                  normal=flat * (0, 0, 1), object=body + 1)
-    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-    values = {**hands.PLAIN, "length_unit": "PIXELS", **values}
-    return library.render(layers, values, outputs=["Encre Lines"]).images["Encre Lines"][80, :, 3]
+    return bodies(np.broadcast_to((np.arange(shape[1])[:, None] >= columns).sum(1), shape), **values)[80]
 
 
 def test_four_lines_close_by_leave_paper_between_them_and_a_broad_one_is_alone():
@@ -247,6 +251,16 @@ def test_four_lines_close_by_leave_paper_between_them_and_a_broad_one_is_alone()
     rings = beside(69, 77, 85, 93, **values)
     assert all(rings[column] > 0.9 for column in (69, 77, 85, 93)) and rings[72:90].mean() < 0.5
     assert beside(80, **{**values, "line_thickness": 24.0}).sum() == pytest.approx(24, abs=0.3)
+
+
+def test_three_rings_of_a_small_eye_thin_out_but_stay():
+    far = np.hypot(*(np.mgrid[:120, :120] - np.reshape((59.7, 60.2), (2, 1, 1))))
+    eye = [bodies(sum((far > radius).astype(int) for radius in radii), line_thickness=4.0, line_density=0.4)
+           for radii in ((14, 9.5, 5), (14,))]
+    assert eye[0][far < 14].mean() < 0.7  # of lines 4 pixels wide, which rings so close would cover by 0.87
+    assert all(eye[0][np.abs(far - radius) < 0.5].min() > 0.8 for radius in (14, 9.5, 5))
+    assert all(eye[0][np.abs(far - radius) < 0.3].mean() < 0.4 for radius in (11.75, 7.25))
+    assert eye[1].sum() == pytest.approx(2 * np.pi * 14 * 4, rel=0.05)  # one by itself stays as it is
 
 
 def test_lines_are_as_dense_at_the_rim_of_the_frame():

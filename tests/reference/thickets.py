@@ -79,7 +79,7 @@ def pressed(t, hand, layers, half, most):
 
 def thinned(t, hand, layers, half, most, fewer):
     """Half the widths where lines cover at most such a share of what is about them, and how much of each is left."""
-    unit, grid = hand.scale, Grid(t, hand.scale, layers.depth.shape, 12)
+    unit, grid = hand.scale, Grid(t, hand.scale, layers.depth.shape, 7)
     crowd = 1 / np.maximum(t.site["crowd"], 1e-12)
     used = np.where(crowd < half, crowd, half)
     first = np.zeros(len(t), int)
