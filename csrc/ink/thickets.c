@@ -6,11 +6,11 @@
 #include "ink/tips.h"
 #include "fine/near.h"
 
-/* Px from node to node of the grids on which ink is weighed, at least 2 pixels: where lines get thinner, as about a
- * small eye, whose bare cheek far nodes would count as room in it; and where some of a mass are left out, which would
- * come and go with fewer of them to a node. A line of 4 px by itself covers .29 of a near node at most, which most
- * presets allow. */
-static const float dense = 7, sparse = 20, least_node = 2; /* test_fine_ink */
+/* Px from node to node of the grids on which ink is weighed, at least 2 pixels: where lines get thinner, and closer by,
+ * as about a small eye, whose bare cheek far nodes count as room in it; and where some of a mass are left out, which
+ * would come and go with fewer of them to a node. Near nodes alone would leave broad lines more than they may: by
+ * itself one covers all of such a node. */
+static const float dense[] = {12, 7}, sparse = 20, least_node = 2; /* test_fine_ink */
 
 enum { PLANES = 64 };
 
@@ -277,17 +277,27 @@ int32_t ISA(thickets_press)(frame *f, const pen_end *end, float *press)
 	return code;
 }
 
-int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, const spots *at, pen_end *end, float *kept)
+/* On nodes so many px apart. */
+static int32_t thin_all(frame *f, float node, uint32_t strokes, pen_end *end)
 {
 	const fine *n = f->fine;
 	grid g;
-	if (!grid_make(f, dense, 1, &g))
+	if (!grid_make(f, node, 1, &g))
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = share_out(n, &g, end);
 	for (uint32_t i = 0; !code && i < n->count; i++)
 		if (!n->site[i].linked.dropped)
 			thin(f, &g, i, strokes, end);
 	grid_drop(f, &g);
+	return code;
+}
+
+int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, const spots *at, pen_end *end, float *kept)
+{
+	grid g;
+	int32_t code = ENCRE_OK;
+	for (int k = 0; !code && k < 2; k++)
+		code = thin_all(f, dense[k], strokes, end);
 	if (code || !kept)
 		return code;
 	if (!grid_make(f, sparse, PLANES, &g))

@@ -263,6 +263,12 @@ def test_three_rings_of_a_small_eye_thin_out_but_stay():
     assert eye[1].sum() == pytest.approx(2 * np.pi * 14 * 4, rel=0.05)  # one by itself stays as it is
 
 
+def test_four_broad_lines_close_by_leave_as_much_paper():
+    """Each covers more than the bound of what is closest about it, and may by itself."""
+    ink = beside(56, 72, 88, 104, line_thickness=12.0, line_density=0.4)
+    assert all(ink[column] > 0.9 for column in (56, 72, 88, 104)) and ink[64:96].mean() < 0.55
+
+
 def test_lines_are_as_dense_at_the_rim_of_the_frame():
     ink = sparse()
     assert ink[:, :16].mean() == pytest.approx(ink[:, 60:100].mean(), rel=0.15)

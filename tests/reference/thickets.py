@@ -79,14 +79,16 @@ def pressed(t, hand, layers, half, most):
 
 def thinned(t, hand, layers, half, most, fewer):
     """Half the widths where lines cover at most such a share of what is about them, and how much of each is left."""
-    unit, grid = hand.scale, Grid(t, hand.scale, layers.depth.shape, 7)
+    unit, thin = hand.scale, half
     crowd = 1 / np.maximum(t.site["crowd"], 1e-12)
-    used = np.where(crowd < half, crowd, half)
     first = np.zeros(len(t), int)
-    share = grid.at(grid.weigh(used, first, 1), first)
-    least = np.minimum(used, fewer * max(0.8 * unit, 0.6))
-    here = np.maximum(most, used / grid.step)  # a line by itself stays as it is
-    thin = np.where((share > here) & (most < 1), np.maximum(used * here / np.maximum(share, 1e-12), least), half)
+    for node in (12, 7):  # and closer by
+        grid, used = Grid(t, unit, layers.depth.shape, node), np.where(crowd < thin, crowd, thin)
+        share = grid.at(grid.weigh(used, first, 1), first)
+        least = np.minimum(used, fewer * max(0.8 * unit, 0.6))
+        here = np.maximum(most, used / grid.step)  # a line by itself stays as it is
+        bound = (share > here) & (most < 1)
+        thin = np.where(bound, np.maximum(used * here / np.maximum(share, 1e-12), least), thin)
     if not ((fewer > 0) & (most < 1)).any():
         return thin, np.ones(len(t))
     matters = np.minimum(_matters(t, hand, layers), 1) * (PLANES - 1)
