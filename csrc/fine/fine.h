@@ -263,7 +263,8 @@ float ISA(crease_weight)(const fine *n, int x, int y, int style);
 /* Whether anywhere in a row one may be more than that. */
 bool ISA(crease_asked)(const fine *n, int y);
 
-/* thin.c: marks thin things; places their cracks again; marks and places sites between those. */
+/* thin.c: marks thin things, by the slices across them (slices.h); places their cracks again; marks and places sites
+ * between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
 void ISA(thin_place)(const fine *n, const found *at, placed *s);
 void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge); /* hits: scratch, n->spans */
