@@ -125,6 +125,11 @@ static bool has_lengths(const fine *n)
 	return any;
 }
 
+static bool knows_contours(const fine *n)
+{
+	return n->e->creases && n->f->layer[ENCRE_LAYER_MARKS].data && n->e->on[SOURCE_DEPTH];
+}
+
 static bool gives_way(const fine *n)
 {
 	return (n->e->creases && (n->e->on[SOURCE_NORMAL] || n->e->on[SOURCE_DEPTH])) || n->e->on[SOURCE_LIGHT] ||
@@ -188,6 +193,7 @@ static const pass passes[] = {
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
+	{"even eased", knows_contours, ISA(fine_even_eased), LAYERS | FOUND | PLACED | KEPT | LINKS, PLACED, NULL},
 	{"ease forms", has_lengths, ISA(fine_ease_forms), FOUND | PLACED | KEPT | LINKS, PLACED | KEPT | LINKS,
 	 BROKEN(links)},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},

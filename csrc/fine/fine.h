@@ -361,6 +361,9 @@ bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
 bool ISA(picture_corner)(const fine *n, const site *a, const site *b, float x, float y);
 
+/* eased.c: evens what contours that meshes tell lack of their width. */
+int32_t ISA(fine_even_eased)(fine *n);
+
 /* forms.c: thins lines of forms out that are short or faint, as wholes, and edges inside small things. */
 int32_t ISA(fine_ease_forms)(fine *n);
 

@@ -147,7 +147,7 @@ def leaning(shape):
 
 
 def held(images, every, layers, scene, styles, few):
-    last = [s for s in every if s.name in ("drop short", "ease forms")][-1]
+    last = [s for s in every if s.name in ("drop short", "even eased", "ease forms")][-1]
     params = Params({k: v for k, v in scene.items() if k != "crease_angle" and not k.endswith("_image")}, styles)
     pictures = {(id_.removesuffix("_strip_image"), style): strips.pyramid(STRIP) for id_ in scene
                 if id_.endswith("_strip_image") for style in range(len(styles) + 1)}
@@ -421,7 +421,7 @@ def test_smudging_takes_the_nearest_site(case):
     scene = {**scene, **BARE, "use_lines": False, "use_smudging": True, "smudge_range": 6.0, "smudge_pick": 0.0,
              "smudge_falloff": 1.0, "smudge_depth": 0.0}
     images, every = passes.run(layers, scene, (), passes.CASES[case][3])
-    last = [s for s in every if s.name in ("drop short", "ease forms")][-1]
+    last = [s for s in every if s.name in ("drop short", "even eased", "ease forms")][-1]
     way, unsure = strokes.nearest(Table(last.site), view.shape)
     at = np.floor(np.stack([x, y], -1) + way + 0.5)
     unsure |= (np.abs((way + 0.5) - np.round(way + 0.5)) < 1e-3).any(-1)

@@ -14,7 +14,7 @@ from reference.passes import NUMBER, Table
 LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, eyes=40, smooth=4000, crowded=1300,
              parted=30, folds=30, rungs=30, slender=300, tapers=50, led=1000, corners=100, beside=150, rounds=30,
              spurs=80,
-             short=20, closed=6, eased=350, thinned=80)  # found over all cases
+             short=20, closed=6, evened=30, eased=350, thinned=80)  # found over all cases
 
 
 class Check:
@@ -212,10 +212,21 @@ def drop(check):
     assert after.site["eased"][left] == pytest.approx((255 - share * (255 - last.site["eased"]))[left], abs=0.51)
 
 
+def even(check):
+    if not check.tables("even eased"):
+        return
+    before, after = check.tables("drop short")[0], check.tables("even eased")[0]
+    view = check.c.view
+    left, unsure = rooms.evened(before, view.layers.depth, view.layers.object if "object" in view.given else None)
+    sure = [i for i in range(len(before)) if i not in unsure]
+    assert after.site["eased"][sure] == pytest.approx(left[sure], abs=0.51)
+    check.count["evened"] += int((left != before.site["eased"]).sum())
+
+
 def ease(check):
     if not check.tables("ease forms"):
         return
-    before, after = check.tables("drop short")[0], check.tables("ease forms")[0]
+    before, after = (check.tables("even eased") or check.tables("drop short"))[0], check.tables("ease forms")[0]
     view = check.c.view
     layers = view.layers
     share = forms.ease(before, view.params, layers.style, layers.object, check.scale)
@@ -229,7 +240,7 @@ def ease(check):
 @functools.cache
 def compare(name):
     check = Check(passes.case(name))
-    last = crowd, eyes, give_way, lead, drop_rungs, drop, ease
+    last = crowd, eyes, give_way, lead, drop_rungs, drop, even, ease
     for each in last if name in passes.TANGLES else (claim, link, tie, smooth, slim, *last):
         each(check)
     return check.count

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Slits between two things, as of boards: one line of one width where they are narrow, two where they are not."""
+"""Slits between two things, as of boards, or parts of one: one line of one width where they are narrow, two where they
+are not."""
 
 import numpy as np
 import passes
@@ -14,19 +15,25 @@ SIZE, HIGH = (64, 150), 720
 FACES = np.array([(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)])
 
 
-def board(left, right, slope, number):
-    """Upright, of so much of the picture, leaning."""
-    points = [(x + slope * y, y, z) for z in (-60, -80) for x, y in ((left, -40), (right, -40), (right, 190),
-                                                                     (left, 190))]
+def board(left, right, slope, number, turn=0.0):
+    """Upright, of so much of the picture, leaning; turned away to one side, where it is as wide in the picture."""
+    points = [(x + slope * y, y, z - np.tan(turn) * (x - 30)) for z in (-60, -80) for x, y in (
+        (left, -40), (right, -40), (right, 190), (left, 190))]
     corners = np.concatenate([FACES[:, [0, 1, 2]], FACES[:, [0, 2, 3]]]).astype(np.int32)
     kinds = edge_kinds(np.full((len(corners), 3), EDGES["flat"]))
     return Mesh(np.array(points, np.float32), corners, edges=kinds, object_index=number)
 
 
+def wall(number):
+    return Mesh(np.array([(-90, -90, -99), (190, -90, -99), (190, 190, -99), (-90, 190, -99)], np.float32),
+                np.array([(0, 1, 2), (0, 2, 3)], np.int32), object_index=number)
+
+
 def layers_of(*boards, slope):
-    wall = Mesh(np.array([(-90, -90, -99), (190, -90, -99), (190, 190, -99), (-90, 190, -99)], np.float32),
-                np.array([(0, 1, 2), (0, 2, 3)], np.int32), object_index=9)
-    meshes = [*(board(*sides, slope, k + 1) for k, sides in enumerate(boards)), wall]
+    return layers_with([*(board(*sides, slope, k + 1) for k, sides in enumerate(boards)), wall(9)])
+
+
+def layers_with(meshes):
     maps = library.raster(meshes, *pixels(1280, HIGH), Frame(1280, HIGH), SIZE, 0.1, outputs=(
         "depth", "object", "marks", "creases"))
     grey = np.full((*SIZE[::-1], 3), 0.5, np.float32)
@@ -41,7 +48,21 @@ SCENE = dict(edge_detector="FINE", line_thickness=3.0, line_softness=0.0, line_p
 
 
 def drawn(*boards, slope):
-    out = library.render(layers_of(*boards, slope=slope), {**SCENE, "length_unit": "PIXELS"}, frame=Frame(1280, HIGH),
+    return lines_of(layers_of(*boards, slope=slope))
+
+
+def grooved(gap, slope):
+    """Between two boards of one mesh, seen aslant, so that the side of one shows."""
+    one, two = board(-80, 30.3, slope, 1, 1.0), board(30.3 + gap, 140, slope, 1, 1.0)
+    for mesh in one, two:
+        mesh.points[4:, 0] -= 20
+    mesh = Mesh(np.concatenate([one.points, two.points]), np.concatenate([one.corners, two.corners + 8]),
+                edges=np.concatenate([one.edges, two.edges]), object_index=1)
+    return lines_of(layers_with([mesh]))
+
+
+def lines_of(layers):
+    out = library.render(layers, {**SCENE, "length_unit": "PIXELS"}, frame=Frame(1280, HIGH),
                          camera=Camera(orthographic=True, height=float(HIGH)), outputs=("Encre Lines",))
     return out.images["Encre Lines"][8:-8, 4:-4, 3]
 
@@ -52,6 +73,18 @@ def test_a_narrow_slit_is_one_line_as_wide_everywhere(slope):
     for gap in (0.2, 0.5, 0.8, 1.2):
         rows = drawn((-80, 30.3), (30.3 + gap, 140), slope=slope).sum(1)
         assert np.abs(rows - 3).max() < 0.35, (gap, rows.min(), rows.max())
+
+
+@pytest.mark.parametrize("slope", [0.06, 0.1, -0.08, -0.15])
+def test_one_between_parts_of_a_thing_is_no_dashes(slope):
+    """Some pixels' centres see how deep it is, others only its rims."""
+    widths = []
+    for gap in (0.1, 0.2, 0.3, 0.5):
+        rows = grooved(gap, slope)[20:100].sum(1)
+        within = np.convolve(rows, np.full(3, 1 / 3), "valid")
+        assert np.ptp(within) < 0.05 * within.mean(), (gap, within.min(), within.max())
+        widths.append(within.mean())
+    assert 1 < widths[0] < widths[1] < widths[2] < widths[3] < 3
 
 
 def test_a_wide_one_has_two_and_what_comes_between_is_between():

@@ -213,3 +213,28 @@ def rungs(t, depth, number):
         if all(len(t.links[arm[-1]]) > 2 for arm in arms) and sum(map(len, arms)) - 4 <= 6:
             bound[i] = max(min(t.site["crowd"][j] for j in t.links[arm[-1]] if j != arm[-2]) for arm in arms)
     return bound, may
+
+
+def evened(t, depth, number, most=20):
+    """What every site lacks of its width, in 255ths, evened; where another mean may come out."""
+    def fold(i):
+        front = None if t.dropped[i] else _front(t, i, depth, number)
+        return front is not None and front[0] == front[1] and np.isfinite(depth[t.site["row"][i], t.site["column"][i]])
+
+    left, unsure = t.site["eased"].astype(float), set()
+    for i in filter(fold, range(len(t))):
+        group = [i]
+        for first in t.links[i] if len(t.links[i]) <= 2 else ():
+            before, at = i, first
+            for _ in range(most):
+                across = np.abs(t.at[at] - t.at[i]).min()
+                if abs(across - 1) < CLOSE:
+                    unsure.add(i)
+                if not fold(at) or across >= 1:
+                    break
+                group.append(at)
+                before, at = at, t.next(before, at)
+                if at is None or at == i:
+                    break
+        left[i] = t.site["eased"][group].mean()
+    return left, unsure
