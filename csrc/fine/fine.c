@@ -194,7 +194,7 @@ static const pass passes[] = {
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
 	{"even eased", knows_contours, ISA(fine_even_eased), LAYERS | FOUND | PLACED | KEPT | LINKS, PLACED, NULL},
-	{"ease forms", has_lengths, ISA(fine_ease_forms), FOUND | PLACED | KEPT | LINKS, PLACED | KEPT | LINKS,
+	{"ease forms", has_lengths, ISA(fine_ease_forms), FOUND | PLACED | CELLS | KEPT | LINKS, PLACED | KEPT | LINKS,
 	 BROKEN(links)},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
 };

@@ -231,6 +231,26 @@ static inline float room_px(const fine *n, float least)
 	return min(max(n->f->scale, least), 8);
 }
 
+/* In px: over so much each way what tells of lines between colours, their room and how long they are, is averaged.
+ * Pixels in a px at least: lines that are nearer than 1.5 pixels these can't part. test_fine_passes, test_scale */
+static const float color_spread = 20, color_least_px = 0.6f;
+
+/* Sums of two values of all sites about one, from those of cells, with weights that fall to 0 at `spread` pixels. */
+static inline void sums_about(const fine *n, float (*cells)[2], const site *s, float spread, float sum[2])
+{
+	near_sites of = near_site(n, s, spread);
+	sum[0] = sum[1] = 0;
+	for (int row = of.row; row <= of.last; row++)
+		for (int x = of.x0; x <= of.x1; x++) {
+			const float *cell = cells[row * n->across + x];
+			float dx = ((float)x + 0.5f) * CELL - 0.5f - s->placed.x,
+			      dy = ((float)row + 0.5f) * CELL - 0.5f - s->placed.y;
+			float weight = max(0, 1 - fabsf(dx) / spread) * max(0, 1 - fabsf(dy) / spread);
+			sum[0] += weight * cell[0];
+			sum[1] += weight * cell[1];
+		}
+}
+
 /* ---- order ----------------------------------------------------------------------------------------------- */
 
 /* For qsort(): below, at or above 0. */

@@ -185,6 +185,23 @@ def test_short_faint_lines_between_colours_go_by_degrees_and_strong_ones_stay():
     np.testing.assert_array_equal(ink(strong, **scene, color_length=96.0), ink(strong, **scene))
 
 
+def test_lines_between_colours_thin_out_as_those_about_them_do():
+    """A short bar that is just an edge, which alone has no border, near a long one: as joints far away, of which now
+    these and now those hang together."""
+    scene = dict(edge_suggestive=0.0, edge_color=2.5, width_color=1.0, edge_threshold=0.3, line_thickness=2.0)
+    long_, short = coloured(80, 0.25), coloured(10, 0.25)["color"]
+    alone = dict(long_, color=short, albedo=short)
+    assert ink(alone, **scene).sum() > 20 and ink(alone, **scene, color_length=96.0).max() == 0
+    shares = []
+    for apart in range(9, 30, 2):
+        both = dict(long_)
+        both["color"] = both["albedo"] = long_["color"] + np.roll(short - short[0, 0], apart, 0)
+        part = np.s_[48 + apart - 5:48 + apart + 6, 40:88]
+        shares.append(ink(both, **scene, color_length=96.0)[part].sum() / ink(both, **scene)[part].sum())
+    assert 0.4 < shares[0] < 0.95 and shares[-1] == 0
+    assert np.diff(shares).max() <= 1e-3 and np.diff(shares).min() > -0.25
+
+
 def test_forms_smaller_than_the_scale_have_none():
     small = slope(1.0, width=1.2)
     assert ink(of(small), suggestive_scale=12.0, **ALONE).max() == 0 < ink(of(small), **ALONE).max()

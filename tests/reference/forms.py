@@ -4,7 +4,7 @@
 import numpy as np
 
 from .metric import clamp01
-from .passes import COLOR, COLUMN, LIGHT, NUMBER, ROW, SEEN
+from .passes import COLOR, COLUMN, LIGHT, NUMBER, ROW, SEEN, px
 from .view import SUGGESTIVE, SURE, turn
 
 FLANK = 1.5  # of the blur's deviation
@@ -220,7 +220,19 @@ def ease(t, params, style, number, scale):
             for i in run:
                 long_ = length / least[i] if least[i] > 0 else 1.0
                 share[i] = min(clear[run].max(), long_) if name == "suggestive" else clamp01(2 * long_ - 1)
+        if name == "color":
+            share = _evened(t, share, np.flatnonzero(lines & (least > 0)), px(scale, 0.6) * 20)
     return _ease_edges(t, params, style, number, scale, share)
+
+
+def _evened(t, share, sites, spread):
+    """Shares of these sites, of each the mean about it: of the centres of cells, by weights that fall to 0."""
+    pixel = np.floor(t.at[sites] + 0.5).clip(0) // 4 * 4 + 1.5
+    found = share.copy()
+    for i in sites:
+        weight = np.maximum(0, 1 - np.abs(pixel - t.at[i]) / spread).prod(1)
+        found[i] = weight @ share[sites] / weight.sum()
+    return found
 
 
 def _ease_edges(t, params, style, number, scale, share):

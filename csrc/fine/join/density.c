@@ -6,14 +6,11 @@
 
 enum { CHUNK = 512 };
 
-/* In px: next lines are looked for so far away, and their distance is averaged over so much each way. */
-static const float reach = 10, spread = 20; /* test_fine_passes */
+static const float reach = 10; /* px in which next lines are looked for; test_fine_passes */
 /* In pixels: another site is on a line of its own that lies so far ahead, across this line, and no farther beside its
  * axis: of lines that part other colours, and of those that part the same colours the other way round. */
 static const float ahead_other = 1.75f, aside_other = 1.5f, ahead_back = 1, aside_back = 4; /* test_fine_passes */
 static const float gone = 2.5f; /* px: lines that are so close are not drawn; test_fine_passes */
-/* Pixels in a px of room at least: lines that are nearer than 1.5 pixels these can't part. */
-static const float least_px = 0.6f; /* test_scale */
 /* Of pixels, at which colours turn back: from so many on, and in full, there is a line on each; test_fine_passes */
 static const float turns_from = 0.25f, turns_full = 0.45f;
 static const float share = 0.25f; /* of the room beyond that, which a line's half may take; test_fine_passes */
@@ -129,21 +126,12 @@ static void sum_cells(void *data, int first, int end, int thread)
 }
 
 /* Alone a site tells little: a check's short side has no next line near, and where a line breaks its neighbours seem to
- * be alone. So cells are averaged, with weights that fall to 0 at `spread`. */
+ * be alone. So cells are averaged. */
 static float mean_distance(const crowd *c, const site *s)
 {
-	near_sites of = near_site(c->n, s, c->spread);
-	float sum = 0, count = 0;
-	for (int row = of.row; row <= of.last; row++)
-		for (int x = of.x0; x <= of.x1; x++) {
-			const float *cell = c->sum[row * c->n->across + x];
-			float dx = ((float)x + 0.5f) * CELL - 0.5f - s->placed.x,
-			      dy = ((float)row + 0.5f) * CELL - 0.5f - s->placed.y;
-			float weight = max(0, 1 - fabsf(dx) / c->spread) * max(0, 1 - fabsf(dy) / c->spread);
-			sum += weight * cell[0];
-			count += weight * cell[1];
-		}
-	return count / sum;
+	float sum[2];
+	sums_about(c->n, c->sum, s, c->spread, sum);
+	return sum[1] / sum[0];
 }
 
 static void bound(void *data, int first, int end, int thread)
@@ -162,10 +150,10 @@ static void bound(void *data, int first, int end, int thread)
 int32_t ISA(fine_crowd)(fine *n)
 {
 	int cells = n->across * n->tall;
-	float px = room_px(n, least_px);
+	float px = room_px(n, color_least_px);
 	crowd c = {.n = n,
 		   .reach = reach * px,
-		   .spread = spread * px,
+		   .spread = color_spread * px,
 		   .gone = gone * px,
 		   .near = late_take(&n->f->late, n->count, sizeof *c.near),
 		   .sum = late_take(&n->f->late, (size_t)cells, sizeof *c.sum)};

@@ -11,7 +11,7 @@ static const float counts_from = 1, counts_ramp = 1; /* of edge_threshold: so st
 static const float clearest = 100;                   /* times its length counts at most, or it might have no bound */
 static const float least_share = 0.1f;               /* of its width: less is not drawn; test_forms */
 
-enum { KNOWN = 1, NEAR = 2 };
+enum { KNOWN = 1, NEAR = 2, CHUNK = 512 };
 static const float hangs = 1.5f;    /* pixels from place to place of an edge, or where edges meet; test_creases */
 static const float full_across = 2; /* of line_min_length: edges that go so far are as wide as others; test_creases */
 
@@ -128,13 +128,79 @@ static float share_of(const fine *n, const site *s, float most, float length)
 	return rank == RANK_FORM ? min(most, share) : share;
 }
 
+/* ---- colours ---------------------------------------------------------------------------------------------- */
+
+/* Of lines between colours: what of a texture far away hangs together changes from frame to frame, so each has the mean
+ * of the shares about it. */
+typedef struct evened {
+	fine *n;
+	float *share;    /* by site; below 0: it is none */
+	float (*sum)[2]; /* by cell: of the shares, and how many there are */
+	float spread;    /* pixels */
+} evened;
+
+static void sum_shares(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const evened *e = data;
+	for (int cell = first; cell < end && !stopped_at(e->n, cell); cell++) {
+		float *sum = e->sum[cell];
+		sum[0] = sum[1] = 0;
+		for (uint32_t k = e->n->cell[cell]; k < e->n->cell[cell + 1]; k++) {
+			float share = e->share[e->n->member[k]];
+			sum[0] += max(0, share);
+			sum[1] += share >= 0;
+		}
+	}
+}
+
+static void ease(site *s, float share)
+{
+	s->placed.eased = (uint8_t)(255 - share * (float)(255 - s->placed.eased) + 0.5f);
+	s->linked.dropped |= share < least_share;
+}
+
+static void ease_colors(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const evened *e = data;
+	for (int i = first; i < end && !stopped_at(e->n, i); i++) {
+		float sum[2];
+		if (e->share[i] < 0)
+			continue;
+		sums_about(e->n, e->sum, e->n->site + i, e->spread, sum);
+		ease(e->n->site + i, sum[0] / sum[1]);
+	}
+}
+
+static int32_t even_colors(fine *n, float *share)
+{
+	int cells = n->across * n->tall;
+	evened e = {.n = n,
+		    .share = share,
+		    .sum = late_take(&n->f->late, (size_t)cells, sizeof *e.sum),
+		    .spread = color_spread * room_px(n, color_least_px)};
+	if (!e.sum)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(n->f->bands, cells, CHUNK, sum_shares, &e);
+	code = code ? code : bands_run(n->f->bands, (int)n->count, CHUNK, ease_colors, &e);
+	late_drop(&n->f->late, e.sum);
+	return code;
+}
+
+/* ---- all -------------------------------------------------------------------------------------------------- */
+
 int32_t ISA(fine_ease_forms)(fine *n)
 {
 	uint8_t *known = late_take(&n->f->late, n->count + 1, sizeof *known);
 	uint32_t *open = late_take(&n->f->late, n->count + 1, sizeof *open);
-	if (!known || !open)
+	float *color = late_take(&n->f->late, n->count + 1, sizeof *color);
+	if (!known || !open || !color)
 		return ENCRE_ERROR_MEMORY;
 	memset(known, 0, n->count);
+	bool any = false;
+	for (uint32_t i = 0; i < n->count; i++)
+		color[i] = -1;
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
@@ -149,10 +215,17 @@ int32_t ISA(fine_ease_forms)(fine *n)
 		for (uint32_t k = 0; k < count; k++) {
 			site *s = n->site + open[k];
 			float share = edge ? edges : share_of(n, s, most, length);
-			s->placed.eased = (uint8_t)(255 - share * (float)(255 - s->placed.eased) + 0.5f);
-			s->linked.dropped |= share < least_share;
+			if (rank_of(s) != RANK_COLOR) {
+				ease(s, share);
+			} else if (params_at(n->f, s->placed.near_x, s->placed.near_y)->color_length > 0) {
+				color[open[k]] = share;
+				any = true;
+			}
 		}
 	}
+	if (!code && any)
+		code = even_colors(n, color);
+	late_drop(&n->f->late, color);
 	late_drop(&n->f->late, open);
 	late_drop(&n->f->late, known);
 	return code ? code : ISA(fine_unlink_dropped)(n); /* what a contour was led on to may be gone */
