@@ -68,6 +68,21 @@ uint16_t contours_bend(const double one[3], const double other[3], float offset)
 	return bend >= BEND_LEAST ? bend < BEND_MOST ? (uint16_t)bend : BEND_MOST : 0;
 }
 
+uint16_t contours_bend_seen(const geometry *g, uint32_t one, uint32_t other)
+{
+	const uint32_t number[2] = {one, other};
+	double across[2][3];
+	const part *part = NULL;
+	for (int side = 0; side < 2; side++) {
+		float normal[3];
+		part = geometry_part(g, part, number[side]);
+		geometry_normal(g, part, number[side] - part->first, normal);
+		for (int c = 0; c < 3; c++)
+			across[side][c] = (double)normal[c];
+	}
+	return contours_bend(across[0], across[1], part->mesh->crease_offset);
+}
+
 /* How much the surface bends between the triangles of two corners at which the same edge begins or ends. */
 static uint16_t bend_of(const encre_mesh *mesh, const topology *t, double (*across)[3], uint32_t c, uint32_t d)
 {

@@ -25,6 +25,8 @@ int32_t contours_find(bands *pool, const geometry *g, uint8_t *faces, uint16_t *
 bool contours_bends(const part *part, const topology *t, uint16_t *bends);
 /* Likewise between two surfaces, by what lies across them, of any length; `offset` is the mesh's crease_offset. */
 uint16_t contours_bend(const double one[3], const double other[3], float offset);
+/* Likewise between what is seen of two triangles, with the second one's crease_offset. */
+uint16_t contours_bend_seen(const geometry *g, uint32_t one, uint32_t other);
 
 enum { BEND_UNIT = 128, BEND_LEAST = 5 * BEND_UNIT, BEND_MOST = 180 * BEND_UNIT, BEND_SMOOTH = 1 << 15 };
 

@@ -122,15 +122,6 @@ enum flush_seen flush_seen(const raster *r, const flush_way *way, uint16_t *bend
 		return FLUSH_COVERED;
 	if (right != 0 || left != 0)
 		return FLUSH_NOT;
-	double across[2][3];
-	const part *part = NULL;
-	for (int side = 0; side < 2; side++) {
-		float normal[3];
-		part = geometry_part(&r->geometry, part, way->side[side]);
-		geometry_normal(&r->geometry, part, way->side[side] - part->first, normal);
-		for (int c = 0; c < 3; c++)
-			across[side][c] = (double)normal[c];
-	}
-	*bend = contours_bend(across[0], across[1], part->mesh->crease_offset);
+	*bend = contours_bend_seen(&r->geometry, way->side[0], way->side[1]);
 	return FLUSH_GOES_ON;
 }

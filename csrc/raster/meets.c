@@ -6,6 +6,8 @@
  * piece ends before the next pixel, the planes of what can be seen tell. */
 #include "raster/meets.h"
 
+#include "raster/contours.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -124,13 +126,9 @@ static double crossing_of(const raster *r, const band *b, const meeting *m, cons
 	return share_of(r, b, (double[]){one.from, one.to}, (double[]){other.from, other.to});
 }
 
-/* Where one of both pieces turns away or ends soon after it has gone on behind the other, none is found there. Between
- * two objects there is a line anyhow: it runs where the planes of what can be seen cross. */
+/* Where on the way the planes of what can be seen cross; 0: nowhere. */
 static double planes_cross(const raster *r, const band *b, const meeting *m)
 {
-	if (geometry_object(geometry_part(&r->geometry, NULL, m->one), m->one) ==
-	    geometry_object(geometry_part(&r->geometry, NULL, m->other), m->other))
-		return 0;
 	place p = centre_of(m->x, m->y), q = centre_of(m->x + !m->down, m->y + m->down);
 	corner a[3], c[3];
 	corners_of(r, m->one, a);
@@ -138,6 +136,25 @@ static double planes_cross(const raster *r, const band *b, const meeting *m)
 	double one[2] = {outline_plane(a, p.x, p.y), outline_plane(a, q.x, q.y)};
 	double other[2] = {outline_plane(c, p.x, p.y), outline_plane(c, q.x, q.y)};
 	return other[0] >= one[0] && one[1] >= other[1] ? share_of(r, b, one, other) : 0;
+}
+
+/* Where one of both pieces turns away or ends soon after it has gone on behind the other, its planes tell: between two
+ * objects an outline, within one a crease. Of an edge that tells, too, it has the place: that may lie below the other.
+ */
+static void end_there(const raster *r, const band *b, const meeting *m, float *mark, float *crease)
+{
+	bool one_object = geometry_object(geometry_part(&r->geometry, NULL, m->one), m->one) ==
+			  geometry_object(geometry_part(&r->geometry, NULL, m->other), m->other);
+	float share = (float)planes_cross(r, b, m);
+	if (!(share > 0))
+		return;
+	if (!one_object) {
+		*mark = -share;
+		return;
+	}
+	if (crease[1] == 0)
+		crease[1] = bend_degrees(contours_bend_seen(&r->geometry, m->one, m->other));
+	crease[0] = crease[1] != 0 ? share : 0;
 }
 
 static void settle(const raster *r, int i, const band *b, meets *room, uint32_t n)
@@ -150,19 +167,19 @@ static void settle(const raster *r, int i, const band *b, meets *room, uint32_t 
 		*(look[k].way % 2 ? &room->way[look[k].way / 2].at_one : &room->way[look[k].way / 2].at_other) = k;
 	for (uint32_t k = 0; k < n; k++) {
 		const meeting *m = room->way + k;
-		float share = (float)crossing_of(r, b, m, look + m->at_other, look + m->at_one);
 		int x = m->x - r->room.x0, y = m->y - r->room.y0;
+		float *crease = pixel_at(&r->job->creases, x, y) + 2 * m->down;
+		float *mark = r->job->marks.data ? pixel_at(&r->job->marks, x, y) + m->down : NULL;
+		float share = (float)crossing_of(r, b, m, look + m->at_other, look + m->at_one);
+		bool told = !mark || contour_mark(*mark) != 0; /* or it is not known */
 		if (share > 0) {
-			float *crease = pixel_at(&r->job->creases, x, y) + 2 * m->down;
 			crease[0] = share;
 			crease[1] = through;
 		}
-		float *mark = r->job->marks.data ? pixel_at(&r->job->marks, x, y) + m->down : NULL;
-		if (!mark || contour_mark(*mark) != 0)
-			continue;
-		if (share == 0)
-			share = (float)planes_cross(r, b, m);
-		*mark = share > 0 ? -share : *mark;
+		if (share > 0 && !told)
+			*mark = -share;
+		else if (!told)
+			end_there(r, b, m, mark, crease);
 	}
 }
 

@@ -154,26 +154,35 @@ def test_borders_and_threads_give_the_same_bytes(threads):
         np.testing.assert_array_equal(part[name][:-1, :-1], whole[name][23:62, 17:66])
 
 
-def at_the_foot(sunk, down):
-    """(place told, exact) of the ways down on which a box ends that is sunk into the ground by so much, seen from so
-    many degrees above: where its front face meets the ground."""
+def standing(sunk, down):
+    """(meshes, view, projection, where its front face meets the ground in pixels) of a box that is sunk into the ground
+    by so much, seen from so many degrees above."""
     ground = Mesh(np.float32([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)]), np.int32([(0, 1, 2), (0, 2, 3)]))
     block, view, projection = box((0, 0, 0.3 - sunk), (1.5, 1.1, 0.6)), looking(down), perspective(*SIZE, 2.2)
     turn = np.array([(np.cos(0.35), -np.sin(0.35), 0), (np.sin(0.35), np.cos(0.35), 0), (0, 0, 1)])
     block = Mesh((block.points @ turn.T).astype(np.float32), block.corners, object_index=1)
-    _, maps = found([ground, block], view, projection, outputs=("object", "creases", "marks"))
     ends = []
     for corner in (-0.75, 0.75):
         x, y, z = view[:3, :3] @ turn @ (corner, -0.55, 0) + view[:3, 3]
         ends.append((SIZE[0] * (1 - projection[0, 0] * x / z) / 2, SIZE[1] * (1 + projection[1, 1] * y / z) / 2))
-    (x0, y0), (x1, y1) = np.array(ends) - 0.5
-    changes, told = np.diff(maps["object"], axis=0) != 0, []
+    return [ground, block], view, projection, np.array(ends) - 0.5
+
+
+def at_the_foot(sunk, down, one_mesh=False):
+    """(bend, place told, exact) of the ways down on which the box ends."""
+    meshes, view, projection, ((x0, y0), (x1, y1)) = standing(sunk, down)
+    meshes = [joined(*meshes)] if one_mesh else meshes
+    _, maps = found(meshes, view, projection, outputs=("object", "creases", "marks"))
+    told = []
     for column in range(int(x0) + 2, int(x1) - 1):
         exact = y0 + (y1 - y0) * (column - x0) / (x1 - x0)
         row = int(np.floor(exact))
         if 0.02 < exact - row < 0.98:
-            assert changes[row, column]
-            told.append((-maps["marks"][row, column, 1] % 2, exact - row))
+            place, bend = maps["creases"][row, column, 2:]
+            if not one_mesh:
+                assert maps["object"][row, column] != maps["object"][row + 1, column]
+                place = -maps["marks"][row, column, 1] % 2
+            told.append((bend, place, exact - row))
     return np.array(told)
 
 
@@ -183,7 +192,16 @@ def test_what_is_sunk_a_little_ends_where_it_meets_the_ground(sunk, down):
     """Also where its own edge lies less than a pixel below it."""
     told = at_the_foot(sunk, down)
     assert len(told) > 20
-    assert np.abs(told[:, 0] - told[:, 1]).max() < 2e-3
+    assert np.abs(told[:, 1] - told[:, 2]).max() < 2e-3
+
+
+@pytest.mark.parametrize("sunk", [1e-3, 4e-3, 0.01, 0.03])
+@pytest.mark.parametrize("down", [12, 30, 55])
+def test_what_is_sunk_a_little_into_another_piece_of_its_mesh_has_a_foot(sunk, down):
+    """A stud of a brick, by its edge less than a pixel below the face that it stands on."""
+    bend, told, exact = at_the_foot(sunk, down, one_mesh=True).T
+    assert len(told) > 20 and np.isin(np.round(bend), [90, THROUGH]).all()
+    assert np.abs(told - exact).max() < 2e-3
 
 
 def test_a_wall_seen_at_a_grazing_angle_ends_where_it_meets_the_ground():
