@@ -25,7 +25,7 @@ typedef struct surface {
 
 /* What a lamp does at a pixel: 0 where none of its light would come. Of a lamp with a size its middle's doings, LIT or
  * DARK where they were asked for, lie CORE_SHIFT higher. */
-enum { LIT = 1, DARK = 2, MIXED = LIT | DARK, CORE_SHIFT = 2 };
+enum { LIT = 1, DARK = 2, MIXED = LIT | DARK, CORE_SHIFT = 2, DENIED = 16 /* see narrow.c */ };
 
 /* An ellipsoid that bends light. */
 typedef struct bend {
@@ -113,6 +113,15 @@ void ISA(place_pixel)(const light *l, vec at, double out[2]);
 float ISA(shadow_plain)(const light *l, const surface *s);
 int32_t ISA(shadow_run)(light *l);
 int32_t ISA(soft_run)(light *l);
+/* In `asked`: how much of the light of a pixel's first points comes, 2 more for each kind; PARTED: of all of the lamp's
+ * light. */
+enum { COUNTED, PARTED, CROOKED, UNASKED = -1 };
+
+static inline int asked_kind(float asked)
+{
+	return (int)(0.5f * asked);
+}
+
 /* narrow.c: puts what the edges of narrow penumbrae leave into `spare`, where all points are asked, and how much that
  * counts into `exact`; narrow_thin where there are edges of something thin. It looks NARROW_REACH pixels far. */
 enum { NARROW_REACH = 4 };

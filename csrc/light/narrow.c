@@ -3,7 +3,8 @@
  *
  * Half of the light comes where the lamp's middle goes behind what throws the shadow. Where a penumbra is at most a few
  * pixels wide that edge is found as for a lamp without a size, and its ramp is as wide as the penumbra. What has
- * another edge so close to it is left to the points: of a shadow thinner than a pixel the centres see dashes. */
+ * another edge so close to it is left to the points: of a shadow thinner than a pixel the centres see dashes. So is an
+ * edge that lies in half a shadow of something else. */
 #include "light/light.h"
 
 enum {
@@ -17,6 +18,7 @@ enum {
 _Static_assert(BESIDE + THIN <= NARROW_REACH, "soft.c counts on it");
 
 static const float level = 0.05f; /* of the distance: so far two things lie apart where they make one plane, at most */
+static const float sure = 0.1f;   /* of the light: where a line is off by more, so is its place by a fifth of a pixel */
 static const float opposite = -0.5f; /* cosine of the ways to the light of two sides of something thin, at most */
 
 /* Whether light comes from the lamp's middle to pixels that are asked at once. */
@@ -149,7 +151,7 @@ static bool edge_goes_on(const surface *a, const surface *b)
 }
 
 /* The pixel nearest to one, on its surface, beside which an edge passes; negative: none, or BY_THIN. */
-static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
+static ptrdiff_t edge_near(const light *l, int x, int y)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x, found = -1;
 	int nearest = 2 * BESIDE * BESIDE + 1;
@@ -160,53 +162,89 @@ static ptrdiff_t edge_near(const light *l, int x, int y, int *column, int *row)
 			if (u < 0 || v < 0 || u >= l->width || v >= l->height || l->share[j] < 0 ||
 			    (j != i && !edge_goes_on(l->surfaces + i, l->surfaces + j)))
 				continue;
-			if (l->share[j] == NARROW)
+			if (l->share[j] == NARROW || l->state[j] & DENIED)
 				return BY_THIN;
 			if (far >= nearest)
 				continue;
 			nearest = far;
 			found = j;
-			*column = u;
-			*row = v;
 		}
 	return found;
+}
+
+/* What the edge beside pixel j leaves of the light of pixel i; *wide: its ramp, in pixels. */
+static float ramp_at(const light *l, ptrdiff_t i, ptrdiff_t j, float *wide)
+{
+	const int x = (int)(i % l->width - j % l->width), y = (int)(i / l->width - j / l->width);
+	edge_line e;
+	ISA(edge_at)(l, (int)(j % l->width), (int)(j / l->width), &e);
+	float away = e.x * (float)x + e.y * (float)y - e.far;
+	*wide = max(l->share[j], SHARP);
+	return clamp01(0.5f + ((core_at(l, j) == LIT) == (e.far < 0) ? away : -away) / *wide);
+}
+
+/* Whether the points of a pixel say otherwise than an edge that leaves it all of the light, or none. */
+static bool denies(float asked, float ramp)
+{
+	if (asked == UNASKED || (ramp > 0 && ramp < 1))
+		return false;
+	float off = fabsf(asked - (float)(2 * asked_kind(asked)) - ramp);
+	return asked_kind(asked) == CROOKED || off > sure;
+}
+
+/* Marks edges beside which more is in the way, whose ramp goes to less than all of the light. */
+static void deny_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	float wide;
+	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
+		for (int x = 0; x < l->width; x++) {
+			ptrdiff_t j = (ptrdiff_t)y * l->width + x;
+			bool denied = false;
+			if (l->share[j] < 0 || l->share[j] >= SOFT)
+				continue;
+			for (int v = y - BESIDE; v <= y + BESIDE && !denied; v++)
+				for (int u = x - BESIDE; u <= x + BESIDE && !denied; u++) {
+					ptrdiff_t i = (ptrdiff_t)v * l->width + u;
+					denied = u >= 0 && v >= 0 && u < l->width && v < l->height &&
+						 denies(l->asked[i], ramp_at(l, i, j, &wide)) &&
+						 edge_near(l, u, v) == j;
+				}
+			l->state[j] |= denied ? DENIED : 0;
+		}
 }
 
 static void narrow_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	light *l = data;
-	edge_line e;
-	int u = 0, v = 0;
-	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
-		for (int x = 0; x < l->width; x++) {
-			ptrdiff_t i = (ptrdiff_t)y * l->width + x, j;
-			int own = core_at(l, i);
-			if (l->exact[i] < 0)
-				continue;
-			l->spare[i] = 0;
-			if (!own)
-				continue;
-			if ((j = edge_near(l, x, y, &u, &v)) < 0) {
-				l->spare[i] = j == BY_THIN ? narrow_thin : 0;
-				continue;
-			}
-			ISA(edge_at)(l, u, v, &e);
-			float away = e.x * (float)(x - u) + e.y * (float)(y - v) - e.far, width = max(l->share[j], 2);
-			float lit = (core_at(l, j) == LIT) == (e.far < 0) ? away : -away;
-			float ramp = clamp01(0.5f + lit / width);
-			if (own == LIT ? ramp < 0.5f : ramp > 0.5f) /* another edge lies between the two */
-				continue;
-			l->exact[i] = clamp01((SOFT - width) / (SOFT - SHARP));
-			l->spare[i] = ramp;
+	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width && !bands_stopped(l->bands); i++) {
+		int own = core_at(l, i);
+		float wide;
+		if (l->exact[i] < 0)
+			continue;
+		l->spare[i] = 0;
+		if (!own)
+			continue;
+		ptrdiff_t j = edge_near(l, (int)(i % l->width), (int)(i / l->width));
+		if (j < 0) {
+			l->spare[i] = j == BY_THIN ? narrow_thin : 0;
+			continue;
 		}
+		float ramp = ramp_at(l, i, j, &wide);
+		if (own == LIT ? ramp < 0.5f : ramp > 0.5f) /* another edge lies between the two */
+			continue;
+		l->exact[i] = clamp01((SOFT - wide) / (SOFT - SHARP));
+		l->spare[i] = ramp;
+	}
 }
 
 int32_t ISA(narrow_run)(light *l)
 {
-	const bands_kernel pass[] = {core_rows, ISA(edge_rows), width_rows, narrow_rows};
+	const bands_kernel pass[] = {core_rows, ISA(edge_rows), width_rows, deny_rows, narrow_rows};
 	int32_t code = ENCRE_OK;
-	for (int k = 0; !code && k < 4; k++)
+	for (int k = 0; !code && k < 5; k++)
 		code = bands_run(l->bands, l->height, 0, pass[k], l);
 	return code;
 }

@@ -97,15 +97,6 @@ static void ask_points(const light *l, int x, int y, float *all, float *seen, ra
 	}
 }
 
-/* In `asked`: how much of the light of a pixel's first points comes, 2 more for each kind; PARTED: of all of the lamp's
- * light. */
-enum { COUNTED, PARTED, CROOKED, UNASKED = -1 };
-
-static int kind_of(float asked)
-{
-	return (int)(0.5f * asked);
-}
-
 static bool asks_if(light *l, int x, int y, bool full)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
@@ -216,8 +207,8 @@ static float asked_share(const light *l, int x, int y)
 	if (x < 0 || y < 0 || x >= l->width || y >= l->height)
 		return UNASKED;
 	float asked = l->asked[(ptrdiff_t)y * l->width + x];
-	bool known = asked != UNASKED && kind_of(asked) != CROOKED; /* points alone may be that far off */
-	return known ? asked - (float)(2 * kind_of(asked)) : UNASKED;
+	bool known = asked != UNASKED && asked_kind(asked) != CROOKED; /* points alone may be that far off */
+	return known ? asked - (float)(2 * asked_kind(asked)) : UNASKED;
 }
 
 /* Whether a pixel is darker than two on either side of it, or brighter: what is thinner than a pixel is missed, or
@@ -239,7 +230,7 @@ static bool stands_out(const light *l, int x, int y)
 static bool parted_about(const light *l, int x, int y)
 {
 	ptrdiff_t i = (ptrdiff_t)y * l->width + x;
-	if (kind_of(l->asked[i]) != PARTED)
+	if (asked_kind(l->asked[i]) != PARTED)
 		return false;
 	int crooked = 0, parted = 0;
 	for (int v = y < ABOUT ? 0 : y - ABOUT; v <= y + ABOUT && v < l->height; v++)
@@ -252,8 +243,8 @@ static bool parted_about(const light *l, int x, int y)
 			}
 			if (l->asked[j] < 2)
 				continue;
-			crooked += kind_of(l->asked[j]) == CROOKED;
-			parted += kind_of(l->asked[j]) == PARTED;
+			crooked += asked_kind(l->asked[j]) == CROOKED;
+			parted += asked_kind(l->asked[j]) == PARTED;
 		}
 	return SELDOM * crooked <= parted;
 }
@@ -271,7 +262,7 @@ static bool asks_rest(light *l, int x, int y)
 		return false;
 	bool same = agree(l, x, y, &sharp);
 	if (!same && (thin || (sharp && !(*exact > 0)) || !parted_about(l, x, y) || stands_out(l, x, y))) {
-		if (kind_of(l->asked[i]) == CROOKED) /* half of the light is not where the lamp's middle goes */
+		if (asked_kind(l->asked[i]) == CROOKED) /* half of the light is not where the lamp's middle goes */
 			*to = *exact = 0;
 		return true;
 	}

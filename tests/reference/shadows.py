@@ -292,7 +292,8 @@ class Picture:
         bright[pixels], dark[pixels] = (core[0] > 0) & (core[1] > 0), (core[0] > 0) & (core[1] == 0)
         edge = self.edges(self.cuts(lit, bright, dark))
         width = np.where(self.thin(edge, bright), np.inf, self.widths(lit, edge, bright))
-        ramp, exact, thin = self.narrow(edge, width, full, bright, dark)
+        said = np.where(full, first, np.nan), kind
+        ramp, exact, thin = self.narrow(edge, width, full, bright, dark, said)
         fine = np.where(full, exact * ramp, share)
         exact = np.where(full, exact, np.nan)
         some, same, line = self.told(full, first, kind, thin, exact)
@@ -417,9 +418,9 @@ class Picture:
             found |= within & edge.there[j] & (cosine < -0.5) & self.shown.one_surface(self.number, j)
         return edge.there & found
 
-    def narrow(self, edge, width, full, bright, dark):
-        """(what comes where penumbrae are narrow, how much that counts, where there is something thin)."""
-        nearest, chosen, thin = np.full(len(self.x), 9), np.full(len(self.x), -1), np.zeros(len(self.x), bool)
+    def nearest(self, width):
+        """(the nearest pixel on one's surface beside which an edge passes, -1 where none, what is free to be it)."""
+        nearest, chosen, frees = np.full(len(self.x), 9), np.full(len(self.x), -1), []
         thing = self.things(self.shown)
         for a, b, j, within in self.neighbours(2):
             way = self.shown.at[j] - self.shown.at
@@ -427,14 +428,30 @@ class Picture:
             free = self.shown.one_surface(self.number, j) & ((thing == thing[j]) | even) | (a == 0 and b == 0)
             ok = within & ~np.isnan(width[j]) & free & (a * a + b * b < nearest)
             nearest[ok], chosen[ok] = a * a + b * b, j[ok]
-            thin |= within & free & np.isinf(width[j])
-        i = np.flatnonzero(full & (bright | dark) & (chosen >= 0) & ~thin)
+            frees.append((j, within & free))
+        return chosen, frees
+
+    def narrow(self, edge, width, full, bright, dark, said):
+        """(what comes where penumbrae are narrow, how much that counts, where there is something thin, or an edge's
+        ramp goes to less than all of the light by what the first points of pixels say)."""
+        chosen, frees = self.nearest(width)
+        thin = np.zeros(len(self.x), bool)
+        for j, free in frees:
+            thin |= free & np.isinf(width[j])
+        i = np.flatnonzero((chosen >= 0) & ~thin)
         j = chosen[i]
         away = edge.x[j] * (self.x[i] - self.x[j]) + edge.y[j] * (self.y[i] - self.y[j]) - edge.far[j]
         wide = np.maximum(width[j], 2)
         ramp = np.clip(0.5 + np.where(bright[j] == (edge.far[j] < 0), away, -away) / wide, 0, 1)
-        own = np.where(bright[i], ramp >= 0.5, ramp <= 0.5)
+        first, kind = said
+        with np.errstate(invalid="ignore"):
+            off = (kind[i] == 2) | (abs(first[i] - ramp) > 0.1)
+        denied = np.zeros(len(self.x), bool)
+        denied[j[off & full[i] & ((ramp == 0) | (ramp == 1)) & (width[j] < 4)]] = True
+        for k, free in frees:
+            thin |= free & denied[k]
         out, exact = np.zeros((2, len(self.x)))
+        own = np.where(bright[i], ramp >= 0.5, ramp <= 0.5) & ~thin[i] & full[i] & (bright | dark)[i]
         out[i], exact[i] = own * ramp, own * np.clip((4 - wide) / 2, 0, 1)
         return out, exact, full & (bright | dark) & thin
 

@@ -335,3 +335,15 @@ def test_a_wide_penumbra_has_no_bands():
     found = stage.light(lamp)[..., 0]
     expected = stage.light(*parts(lamp, 6))[..., 0]
     assert np.percentile(abs(found - expected), 99) < 0.012 * expected.max()
+
+
+def test_an_edge_within_half_a_shadow_leaves_no_more_than_comes_beside_it():
+    """The sharp foot of a shadow where two bars cover part of the lamp: its ramp went up to all of the light."""
+    stage = Stage(478, 180, eye=(0.3, -6, 3), at=(0.3, 0.6, 0.1))
+    tube(stage, (-2.4, 0.9, 0.3), (2.4, 0.9, 0.3), 0.3, 48)
+    for y in (-0.3, 0.3):
+        tube(stage, (-2.6, y, 1.7), (2.6, y, 1.7), 0.1, 12)
+    lamp = Lamp("rectangle", width=1, height=1, model=look((2.2, -2.4, 4.0), (0, 0, 0.3)))
+    found, expected = stage.light(lamp)[..., 0], stage.light(*parts(lamp, 6))[..., 0]
+    off = (found - expected)[stage.objects() == 1] / expected.max()
+    assert (off > 0.05).sum() < 20
