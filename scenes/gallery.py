@@ -4,9 +4,9 @@
     python scenes/gallery.py [--size WxH] [--samples N] [--only NAME]... FOLDER [FILE.blend]...
 
 Of a .blend only the shapes and the camera are taken. Frames go to FOLDER as EXR and as PNG in full size; those that are
-there and whole are not rendered again. The small pictures go to docs/scenes/, the page is docs/gallery.md; the presets'
-own pictures, which Blender's panel shows, lie beside them in addon/presets/. With --only, all but that scene's stay as
-they are."""
+there and whole are not rendered again. The small pictures go to docs/scenes/, the page is docs/gallery.md, that of
+controls goes to docs/painting.md; the presets' own pictures, which Blender's panel shows, lie beside them in
+addon/presets/. With --only, all but that scene's stay as they are."""
 
 import argparse
 import subprocess
@@ -48,6 +48,7 @@ scene.world.color = 0.3, 0.3, 0.4
 scene.view_settings.view_transform = "Standard"
 """
 SHOWN = "dancer"  # by every preset
+CONTROLS = "controls"  # of docs/painting.md
 HEAD = """# Gallery
 
 Each scene is rendered once, at {size} with {samples} samples a pixel, and drawn with each preset as it comes; here it
@@ -127,6 +128,14 @@ def thumbnails(folder):
             raise SystemExit(small.geterror())
 
 
+def controls(folder, size, samples):
+    """The picture of what nodes tell lines and pencil."""
+    frame, full = folder / f"{CONTROLS}.exr", folder / f"{CONTROLS}.png"
+    encre("render", ROOT / "scenes" / f"{CONTROLS}.py", "-o", frame, "--size", size, "--samples", samples, "--resume")
+    encre("composite", frame, "-o", full, "--preset", "water_memory")
+    shrink(full, ROOT / "docs" / "painting_nodes.jpg")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="1920x1080")
@@ -154,6 +163,8 @@ def main():
                 encre("composite", frame, "-o", full, "--preset", PRESETS[preset])
                 shrink(full, ROOT / "docs" / "scenes" / f"{picture}.jpg")
         page += f"## `{source.name}`\n\n" + table(words, list(drawn.items()))
+    if not args.only or CONTROLS in args.only:
+        controls(args.folder, args.size, args.samples)
     if not args.only:
         page += by_every_preset(args.folder, args.size)
         thumbnails(args.folder)

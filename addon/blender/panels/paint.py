@@ -209,7 +209,8 @@ class ENCRE_OT_control_nodes(bpy.types.Operator):
         if self.by == "NEARNESS":
             others = [other for other in context.selected_objects if other != obj]
             values["Object"] = others[0] if others else _empty(context)
-            values["Reach"] = max(obj.dimensions) / 2 or 1.0
+            # lengths of nodes are the mesh's, whatever the object's scale is
+            values["Reach"] = max(max(axis) - min(axis) for axis in zip(*obj.bound_box, strict=True)) / 2 or 1.0
         if self.by == "EDGE_ON":
             if not context.scene.camera:
                 self.report({"ERROR"}, "The scene has no camera; add one, or choose another way")

@@ -148,15 +148,17 @@ def control_nodes(out):
     fact("without paint", float(_made(ball).mean()))
     ball.modifiers.clear()
     _select(ball, target)
-    before, target.location = target.location.copy(), ball.location + Vector((0.5, 0, 0.2))
+    before, target.location = target.location.copy(), ball.location + Vector((0.25, 0, 0.1))
+    ball.scale = (0.5, 0.5, 0.5)
+    bpy.context.view_layer.update()
     bpy.ops.encre.control_nodes(control="thickness", by="NEARNESS", amount=0.8)
-    mesh, reach = ball.data, max(ball.dimensions) / 2
-    away = np.array([((ball.matrix_world @ mesh.vertices[loop.vertex_index].co) - target.location).length
-                     for loop in mesh.loops])
+    mesh, place = ball.data, ball.matrix_world.inverted() @ target.location
+    reach = max(ball.dimensions)  # on twice as large a mesh half of it
+    away = np.array([(mesh.vertices[loop.vertex_index].co - place).length for loop in mesh.loops])
     made = _made(ball)
     fact("near", [float(made.max()), float(np.abs(made - 0.8 * np.clip(1 - away / reach, 0, 1)).max())])
     ball.modifiers.clear()
-    target.location = before
+    ball.scale, target.location = (1, 1, 1), before
     _select(ball)
     bpy.ops.encre.control_nodes(control="thickness", by="NEARNESS")
     fact("new empty", bpy.data.objects[ours.NAME].type)
