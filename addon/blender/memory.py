@@ -73,13 +73,13 @@ class Layer:
             "Light": old.draws_light != new.draws_light and not new.fast,
             "World Shadows": (new.draws_light or new.fast) and old.shadows_world != new.shadows_world,
             "Object Index": old.every[0]["object_index"] != new.every[0]["object_index"],
-        } if not self.opened else {}
-        changed |= {
-            "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
-            "Lines": new.wants_edges and not old.wants_edges,
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,
             "flat tones": new.wants_card and not old.wants_card,
             "strokes along UV": new.wants_tangent and not old.wants_tangent,
+        } if not self.opened else {}  # what a file lacks is said as it is opened
+        changed |= {
+            "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
+            "Lines": new.wants_edges and not old.wants_edges,
             "what mirrors show": new.wants_seen and not old.wants_seen,
             "Shading": self.denoised and old.shaded != new.shaded,
         }

@@ -11,11 +11,12 @@ from ..pen.errors import EncreError
 from ..pen.exr import Exr
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import ENGINE, cameras, fast_frame, instant, memory, redraw, versions
+from . import ENGINE, cameras, fast_frame, instant, memory, properties, redraw, versions
 
 
 def load(scene, path):
-    """Keeps a file's layers of a scene's frame. EncreError: it can't be used."""
+    """Keeps a file's layers of a scene's frame. Sentences about what is drawn otherwise, as the file lacks what that
+    needs. EncreError: it can't be used."""
     file = Exr(path)
     said, found = metadata.read(file.texts), stored.view_layers(file.channels, file.views)
     if scene.render.use_multiview or len(file.views) > 1:
@@ -28,16 +29,18 @@ def load(scene, path):
         raise EncreError(f"{path}: shows {rendered[0]} x {rendered[1]} pixels, and the scene renders {own.width} x "
                          f"{own.height}; give both the same size and border")
     settings = Settings(said.scene, said.styles, versions.working_space())
+    asked = properties.settings(scene)
     names = [layer.name for layer in scene.view_layers if layer.name in found]
     if not names and len(scene.view_layers) == 1:
         names = [next((name for name in found if name != "Composite"), None)]
-    kept = {}
+    kept, lacks = {}, {}
     for name in names:
         view, passes = next(iter(found[name].items()))
         if {"Combined", "Encre Source"} & passes.keys():
             rows = np.s_[y:y + own.height, x:x + own.width]
             layer = scene.view_layers[name].name if name in scene.view_layers else scene.view_layers[0].name
             kept[layer] = _layer(file, layer, passes, settings, said, rows, own, (width, height))
+            lacks.update(dict.fromkeys(saved.missing(passes, asked)))
     if not kept:
         raise EncreError(f"{path}: has none of the scene's view layers with passes that can be drawn again; render it "
                          "with Save Layers")
@@ -45,6 +48,7 @@ def load(scene, path):
     for layer in kept.values():
         memory.begin(scene, layer)
     memory.picture(scene).values = None  # what the file shows was drawn by other settings, perhaps
+    return list(lacks)
 
 
 def _layer(file, name, passes, settings, said, rows, own, size):
@@ -98,13 +102,15 @@ class ENCRE_OT_open_layers(bpy.types.Operator):
         from .engine import pass_names
 
         try:
-            load(context.scene, bpy.path.abspath(self.filepath))
+            lacks = load(context.scene, bpy.path.abspath(self.filepath))
         except EncreError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if why := memory.refusal(context.scene, pass_names):
             self.report({"ERROR"}, why)
             return {"CANCELLED"}
+        if lacks:
+            self.report({"WARNING"}, f"{self.filepath} has {'; '.join(lacks)}")
         space, result = context.space_data, instant.result()
         if space and space.type == "IMAGE_EDITOR" and result:
             space.image = result

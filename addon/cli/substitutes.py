@@ -6,7 +6,7 @@ Only Combined can't be replaced. To know another pass by a word of --layer, add 
 
 import numpy as np
 
-from ..pen import slim
+from ..pen import saved, slim
 from ..pen.errors import EncreError, unknown
 from ..pen.settings import Settings
 
@@ -103,14 +103,7 @@ def switch_off(names, settings):
                            ("Normal", "no normals: no line at creases")):
         if name not in names:
             said.append(sentence)
-    if settings.sticks and "Encre Anchor" not in names:
-        said.append("no rest positions, which save_anchor=ON renders: tones, the paint of balls and the hand of lines "
-                    "stick to the picture")
-    elif settings.follows_uv and "Encre Tangent" not in names:
-        said.append("no directions of UV maps, which save_anchor=ON renders: strokes go along the form")
-    if settings.lies_flat and "Encre Card" not in names:
-        said.append("no sheets of things, which save_anchor=ON renders: flat tones stick to the picture")
-    return settings, said
+    return settings, said + saved.missing(names, settings)
 
 
 def fill(pictures):

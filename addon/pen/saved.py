@@ -8,6 +8,7 @@ from collections.abc import Container
 import numpy as np
 
 from . import library
+from .settings import Settings
 
 PARTS = "seen_depth", "anchor", "tangent", "card"  # layers that a frame has only where something reads them
 _WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen Depth": "seen_depth",
@@ -69,6 +70,19 @@ def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
         if layer is not None:
             out[..., channel] = layer[..., k]
     return out
+
+
+def missing(names: Container[str], settings: Settings) -> list[str]:
+    """What is not drawn as it was asked for without those of the passes() that are not among `names`: sentences."""
+    said = []
+    if settings.sticks and "Encre Anchor" not in names:
+        said.append("no rest positions, which save_anchor=ON renders: tones, the paint of balls and the hand of lines "
+                    "stick to the picture")
+    elif settings.follows_uv and "Encre Tangent" not in names:
+        said.append("no directions of UV maps, which save_anchor=ON renders: strokes go along the form")
+    if settings.lies_flat and "Encre Card" not in names:
+        said.append("no sheets of things, which save_anchor=ON renders: flat tones stick to the picture")
+    return said
 
 
 def unpack(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -283,6 +283,7 @@ def gives_way():
 def opened():
     """Layers that a file holds are drawn with other settings as those of a render are."""
     from encre.blender import memory
+    from encre.blender import opened as ours
 
     scene, space = bpy.context.scene, window.area("IMAGE_EDITOR").spaces.active
     for name, source in ("file", "CYCLES"), ("quick_file", "ENCRE"):
@@ -314,6 +315,11 @@ def opened():
         except RuntimeError as error:
             studio.fact("not opened", str(error))
         scene.render.resolution_x = 160
+        scene.encre.pen_pressure = 0.5
+        studio.fact("lacks", [ours.load(scene, path), (yield from redrawn())])
+        picture(f"{name}-hand")
+        scene.encre.pen_pressure = 0
+        yield from redrawn()
     scene.encre.layer_source = "CYCLES"
 
 
