@@ -138,7 +138,7 @@ class View:
         if self.texture:
             screen.show(self.texture, self.what.where.place)
         lines = [(failure, (1, 0.25, 0.2))] if failure else self._legend()
-        screen.say(context.region, lines, context.preferences.system.ui_scale)
+        screen.say(context.region, lines, context.preferences.system.ui_scale, grounded=bool(failure))
 
     def tick(self):
         """Goes on with the picture. Whether there is one that has not ended."""

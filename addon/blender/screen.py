@@ -7,6 +7,7 @@ import textwrap
 
 import blf
 import gpu
+import numpy as np
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
@@ -59,9 +60,15 @@ def show(texture, place):
     gpu.state.blend_set("NONE")
 
 
-def say(region, lines, scale):
+@functools.cache
+def _ground():
+    """What words stand on where a picture may be as light as they are."""
+    return upload(np.array([[[0, 0, 0, 0.85]]], np.float32))
+
+
+def say(region, lines, scale, grounded):
     """Writes (text, colour), as many lines as each takes, from below upwards into a region; scale: of Blender's
-    interface."""
+    interface; grounded: on a dark ground."""
     pixels = Matrix.Diagonal((2 / region.width, 2 / region.height, 1, 1))
     size = 13 * scale
     with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
@@ -72,6 +79,11 @@ def say(region, lines, scale):
         blf.shadow(0, 3, 0, 0, 0, 1)
         columns = max(10, int(region.width / (0.6 * size)) - 16)
         rows = [(row, color) for text, color in lines for row in reversed(textwrap.wrap(text, columns))]
+        if rows and grounded:
+            right = 6.6 * size + max(blf.dimensions(0, text)[0] for text, _ in rows)
+            top = (2.8 + 1.6 * len(rows)) * size
+            show(_ground(), [2 * at / of - 1 for at, of in ((5.4 * size, region.width), (2.2 * size, region.height),
+                                                            (right, region.width), (top, region.height))])
         for row, (text, color) in enumerate(rows):
             blf.color(0, *color, 1)
             blf.position(0, 6 * size, (3 + 1.6 * row) * size, 0)

@@ -124,6 +124,10 @@ def test_undo_is_seen(shot):
 
 def test_what_is_wrong_is_said(shot):
     assert fact(shot, "sentence").startswith("paper_image: ") and fact(shot, "mended") is None
+    below = screenshot(shot, "broken")[450:]  # the frame, which has red in it
+    red = (below[..., 0] > 0.6) & (below[..., 1] < 0.55) & (below[..., 2] < 0.55)
+    around = below[tuple(slice(at.min(), at.max()) for at in np.nonzero(red))]
+    assert red.sum() > 500 and np.median(around.max(-1)) < 0.1  # Blender's own ground there is 0.16
 
 
 def test_playback_draws(shot):
