@@ -29,7 +29,7 @@ PENS = {
     "strip": dict(line_thickness=16, pen_strip=1, pen_strip_image=ROOT / "docs/pen_chalk.png", pen_strip_length=250),
 }
 TONES = ("DOTS", "LINES", "CROSS", "HATCH", "STIPPLE", "IMAGE", "GRAIN", "SOLID")
-SPACES = {"SCREEN": 9, "SURFACE": 9, "OBJECT": None}
+SPACES = {"SCREEN": 9, "SURFACE": 9, "OBJECT": None, "FLAT": 9}
 EXPOSURE = {"street": 1, "dancer": 0.45, "terrain": 1}
 PITCH = {"street": 3, "dancer": 2, "terrain": 8}  # centimetres of what is painted on
 LEVELS = "0.1; 0.5,0.2,0.05; 0.8,0.5,0.05; 1,0.75,0.05"

@@ -214,16 +214,29 @@ def painted(values, poses, image):
     return np.mean(found), np.mean(pops)
 
 
-def ramp(kind, size):
-    """(H, W) ink from 5 to 95 % on the screen."""
-    width, height = size
-    one = np.ones((height, width, 3), np.float32)
-    light = one * np.linspace(1, 0, width, dtype=np.float32)[None, :, None]
-    layers = {"combined": np.concatenate([light, one[..., :1]], 2), "color": one, "diffuse": light,
+def flat_ink(kind, light):
+    """(H, W) ink on the screen of what is lit so (H, W)."""
+    one = np.ones((*light.shape, 3), np.float32)
+    lit = one * np.float32(light)[..., None]
+    layers = {"combined": np.concatenate([lit, one[..., :1]], 2), "color": one, "diffuse": lit,
               "depth": 5 * one[..., :1], "normal": one}
     off = dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False)
     return library.render(layers, {**off, "use_tones": True, **RAMP, **tone(kind, pitch=7.0)},
                           outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
+
+
+def ramp(kind, size):
+    """(H, W) ink from 5 to 95 % on the screen."""
+    return flat_ink(kind, np.broadcast_to(np.linspace(1, 0, size[0]), size[::-1]))
+
+
+def strokes():
+    """(H, W) ink of strokes and of spots: on things, and below in eight steps from 5 to 95 %."""
+    parts = []
+    for name, kind in (("hatching", "HATCH"), ("stipple", "STIPPLE")):
+        steps = [np.pad(flat_ink(kind, np.full((112, SIZE[0] // 8 - 4), light)), 2) for light in np.linspace(1, 0, 8)]
+        parts.append(np.concatenate([frame(*posed(), SCREENS[name])[0], np.concatenate(steps, 1)]))
+    return np.concatenate(parts, 1)
 
 
 def sheet():
@@ -263,7 +276,7 @@ def main():
 
     folder = Path(sys.argv[1])
     folder.mkdir(exist_ok=True)
-    for name, ink in (("tones", sheet()), ("tones_print", printed())):
+    for name, ink in (("tones", sheet()), ("tones_strokes", strokes()), ("tones_print", printed())):
         oiio.ImageBuf(np.round(255 * (1 - ink)).astype(np.uint8)[..., None]).write(str(folder / f"{name}.png"))
     print("| | " + " | ".join(f"{motion}: corr, pop, ink" for motion in MOTIONS) + " |")
     for name, values in SCREENS.items():
