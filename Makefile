@@ -80,11 +80,11 @@ build/blenders/bpy-%/ready:
 blenders: build/blenders/bpy-4.2/ready build/blenders/bpy-5.0/ready \
 		$(if $(shell python3.13 -c 'print(1)' 2>/dev/null),build/blenders/bpy-5.2/ready)
 
-# BENCH="--size 480x270 --rounds 1" is a small run.
+# BENCH="--size 480x270 --rounds 1" is a small run; BENCH=--sizes times the stages from 720p to 8K, too.
 bench: build
 	$(RUN) tests/helpers/bench.py $(BENCH)
-	$(RUN) tests/helpers/bench_costs.py $(BENCH)
-	$(RUN) tests/helpers/bench_light.py $(BENCH)
+	$(RUN) tests/helpers/bench_costs.py $(filter-out --sizes,$(BENCH))
+	$(RUN) tests/helpers/bench_light.py $(filter-out --sizes,$(BENCH))
 
 # The same picture by libraries for pictures, each of which may be missing. They bring a numpy of their own, which is
 # another than Blender's.
@@ -96,8 +96,8 @@ build/peers/ready: | build
 
 # `make bench bench-peers` renews all of docs/speed.md.
 bench-peers: build build/peers/ready
-	$(RUN) tests/helpers/bench_blender.py $(BENCH)
-	PYTHONPATH=build/peers $(RUN) tests/helpers/bench_peers.py $(BENCH)
+	$(RUN) tests/helpers/bench_blender.py $(filter-out --sizes,$(BENCH))
+	PYTHONPATH=build/peers $(RUN) tests/helpers/bench_peers.py $(filter-out --sizes,$(BENCH))
 
 # The rendered 3D view in a window: needs blender and xvfb-run.
 bench-live: build
