@@ -69,14 +69,18 @@ def _lamp(kind, **settings):
     return obj
 
 
-def lamps(out):
-    """One picture for each kind of lamp, alone."""
+def lamps(out, samples=None):
+    """One picture for each kind of lamp, alone; hard lamps need fewer samples."""
     for name, (kind, settings) in LAMPS.items():
         hard = not settings.get("angle", settings.get("shadow_soft_size", settings.get("size")))
-        _stage(16 if hard else 64)
+        _stage(samples or (16 if hard else 64))
         obj = _lamp(kind, **settings)
         obj.scale = SCALES.get(name, (1, 1, 1))
         shoot(out, name)
+
+
+def lamps_without_noise(out):
+    lamps(out, 1024)
 
 
 def unlit(out):
