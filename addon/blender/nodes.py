@@ -318,9 +318,11 @@ class Compiler(Patterns):
                                   self._turned(a, b, share), mix(a.holdout, b.holdout, share))}
 
     def _turned(self, a, b, share=0.5):
-        """Where both shaders together face: those that show nothing do not count."""
+        """Where both shaders together face: those that show nothing do not count, nor what only shines beside what has
+        a colour, as light falls on that."""
         none = (0.0,) * 3
-        seen = [s.turned for s in (a, b) if any(part != none for part in (s.color, s.gloss, s.emission, s.shine))]
+        seen = [s.turned for s in (a, b) if s.color != none] or [
+            s.turned for s in (a, b) if any(part != none for part in (s.gloss, s.emission, s.shine))]
         if len(set(seen)) < 2:
             return seen[0] if seen else none
         return self._mixed(*(self.build.run("normal") if way == none else way for way in seen), share)

@@ -147,7 +147,8 @@ def test_normal_maps_turn_light_as_cycles_has_it(render):
         where = (index == number) & inside(index)
         light, wanted, plain = (p["DiffDir"][..., 0][where] for p in (ours, theirs, flat))
         away = [abs(light - wanted).mean(), abs(plain - wanted).mean()]
-        assert away[0] < 0.05 and away[0] < 0.7 * away[1], (number, away)
+        most = 0.4 if number == 1 else 0.7  # it shines without the map, which is not seen here
+        assert away[0] < 0.05 and away[0] < most * away[1], (number, away)
     (count, sides, apart, same), = shot.facts["tangents"]  # of a mesh of which Blender knows them, too
     assert count > 2500 and sides == 2 and apart < 1e-3 and same
 

@@ -428,8 +428,8 @@ def highlights(out):
 
 
 def normal_maps(out):
-    """A map of waves on a ball, its mirror image, a cube that is turned and a tile of six corners, by both; and without
-    it."""
+    """A map of waves on a ball, its mirror image, a cube that is turned and also shines without it and a tile of six
+    corners, by both; and without it."""
     scene = stage(240, 120, 48)
     mesh = bpy.data.meshes.new("Tile")
     rim = [(0.6 * np.cos(k * np.pi / 3), y, 0.6 * np.sin(k * np.pi / 3)) for y in (-0.1, 0.1) for k in range(6)]
@@ -451,6 +451,11 @@ def normal_maps(out):
         texture.image = image
         tree.links.new(texture.outputs["Color"], turn.inputs["Color"])
         tree.links.new(turn.outputs[0], surface.inputs["Normal"])
+        if name == "Red":  # what shines only is as the mesh is
+            mixed, shine = _new(tree, "MixShader"), _new(tree, "BsdfGlossy")
+            for k, part in enumerate((surface, shine)):
+                tree.links.new(part.outputs[0], mixed.inputs[1 + k])
+            surface = mixed
         tree.links.new(surface.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
     for name in ("Cube", "Ball", "Ground", "Tile"):
         mesh = bpy.data.objects[name].data
