@@ -83,7 +83,7 @@ def test_slim_files_give_every_scene_again(tmp_path, scene):
     assert (np.abs(a - b).max(2) <= 1 / 255).mean() >= 0.9995
     share = (tmp_path / "slim.exr").stat().st_size / (tmp_path / "whole.exr").stat().st_size
     # wood's grain, whose colours keep all digits; edges of meshes are a tenth of what a file of little else holds
-    assert share < {"living_room": 0.41, "turn": 0.375}.get(scene.stem, 0.36), share
+    assert share < {"living_room": 0.41, "turn": 0.37}.get(scene.stem, 0.36), share
 
 
 GENERATED = """
