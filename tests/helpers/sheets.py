@@ -15,8 +15,8 @@ import numpy as np
 import OpenImageIO as oiio
 
 ROOT = Path(__file__).resolve().parents[2]
-SIZE, PEN_CELL, TONE_CELL = (1920, 1080), (480, 300), (340, 230)
-SCENES = {"street": (1150, 190), "dancer": (820, 270), "terrain": (720, 470)}  # and where a cell's corner lies
+SIZE, PEN_CELL, TONE_CELL = (1920, 1080), (480, 300), (276, 190)
+SCENES = {"street": (1150, 190), "dancer": (840, 300), "terrain": (782, 508)}  # and where a cell's corner lies
 PENS = {
     "technical": dict(line_thickness=5, line_taper=0),
     "brush": dict(line_thickness=12, pen_pressure=0.45, pen_wobble=0.9, pen_rough=0.45, line_taper=40, pen_pool=0.5),
