@@ -25,7 +25,7 @@ typedef struct surface {
 
 /* What a lamp does at a pixel: 0 where none of its light would come. Of a lamp with a size its middle's doings, LIT or
  * DARK where they were asked for, lie CORE_SHIFT higher. */
-enum { LIT = 1, DARK = 2, MIXED = LIT | DARK, CORE_SHIFT = 2, DENIED = 16 /* see narrow.c */ };
+enum { LIT = 1, DARK = 2, MIXED = LIT | DARK, CORE_SHIFT = 2 };
 
 /* An ellipsoid that bends light. */
 typedef struct bend {

@@ -162,7 +162,7 @@ static ptrdiff_t edge_near(const light *l, int x, int y)
 			if (u < 0 || v < 0 || u >= l->width || v >= l->height || l->share[j] < 0 ||
 			    (j != i && !edge_goes_on(l->surfaces + i, l->surfaces + j)))
 				continue;
-			if (l->share[j] == NARROW || l->state[j] & DENIED)
+			if (l->share[j] == NARROW)
 				return BY_THIN;
 			if (far >= nearest)
 				continue;
@@ -172,15 +172,13 @@ static ptrdiff_t edge_near(const light *l, int x, int y)
 	return found;
 }
 
-/* What the edge beside pixel j leaves of the light of pixel i; *wide: its ramp, in pixels. */
-static float ramp_at(const light *l, ptrdiff_t i, ptrdiff_t j, float *wide)
+/* What an edge, that beside pixel j, leaves of the light of pixel i; *wide: its ramp, in pixels. */
+static float ramp_at(const light *l, ptrdiff_t i, ptrdiff_t j, const edge_line *e, float *wide)
 {
 	const int x = (int)(i % l->width - j % l->width), y = (int)(i / l->width - j / l->width);
-	edge_line e;
-	ISA(edge_at)(l, (int)(j % l->width), (int)(j / l->width), &e);
-	float away = e.x * (float)x + e.y * (float)y - e.far;
+	float away = e->x * (float)x + e->y * (float)y - e->far;
 	*wide = max(l->share[j], SHARP);
-	return clamp01(0.5f + ((core_at(l, j) == LIT) == (e.far < 0) ? away : -away) / *wide);
+	return clamp01(0.5f + ((core_at(l, j) == LIT) == (e->far < 0) ? away : -away) / *wide);
 }
 
 /* Whether the points of a pixel say otherwise than an edge that leaves it all of the light, or none. */
@@ -192,27 +190,42 @@ static bool denies(float asked, float ramp)
 	return asked_kind(asked) == CROOKED || off > sure;
 }
 
-/* Marks edges beside which more is in the way, whose ramp goes to less than all of the light. */
+/* Whether beside an edge, that of a pixel, more is in the way, and its ramp goes to less than all of the light. */
+static bool denied(const light *l, int x, int y, const edge_line *e)
+{
+	ptrdiff_t j = (ptrdiff_t)y * l->width + x;
+	float wide;
+	for (int v = y - BESIDE > 0 ? y - BESIDE : 0; v <= y + BESIDE && v < l->height; v++)
+		for (int u = x - BESIDE > 0 ? x - BESIDE : 0; u <= x + BESIDE && u < l->width; u++) {
+			ptrdiff_t i = (ptrdiff_t)v * l->width + u;
+			if (denies(l->asked[i], ramp_at(l, i, j, e, &wide)) && edge_near(l, u, v) == j)
+				return true;
+		}
+	return false;
+}
+
+/* Into `spare`, which is free where an edge passes: widths as they are to be, NARROW of an edge that is denied. */
 static void deny_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	light *l = data;
-	float wide;
+	edge_line e;
 	for (int y = y0; y < y1 && !bands_stopped(l->bands); y++)
 		for (int x = 0; x < l->width; x++) {
-			ptrdiff_t j = (ptrdiff_t)y * l->width + x;
-			bool denied = false;
-			if (l->share[j] < 0 || l->share[j] >= SOFT)
-				continue;
-			for (int v = y - BESIDE; v <= y + BESIDE && !denied; v++)
-				for (int u = x - BESIDE; u <= x + BESIDE && !denied; u++) {
-					ptrdiff_t i = (ptrdiff_t)v * l->width + u;
-					denied = u >= 0 && v >= 0 && u < l->width && v < l->height &&
-						 denies(l->asked[i], ramp_at(l, i, j, &wide)) &&
-						 edge_near(l, u, v) == j;
-				}
-			l->state[j] |= denied ? DENIED : 0;
+			ptrdiff_t i = (ptrdiff_t)y * l->width + x;
+			if (ISA(edge_at)(l, x, y, &e))
+				l->spare[i] = l->share[i] < SOFT && denied(l, x, y, &e) ? NARROW : l->share[i];
 		}
+}
+
+/* Apart from what reads the widths of neighbours, so that it is the same whichever thread comes first. */
+static void denied_rows(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	light *l = data;
+	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width && !bands_stopped(l->bands); i++)
+		if (l->share[i] >= 0)
+			l->share[i] = l->spare[i];
 }
 
 static void narrow_rows(void *data, int y0, int y1, int thread)
@@ -221,6 +234,7 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 	light *l = data;
 	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width && !bands_stopped(l->bands); i++) {
 		int own = core_at(l, i);
+		edge_line e;
 		float wide;
 		if (l->exact[i] < 0)
 			continue;
@@ -232,7 +246,8 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 			l->spare[i] = j == BY_THIN ? narrow_thin : 0;
 			continue;
 		}
-		float ramp = ramp_at(l, i, j, &wide);
+		ISA(edge_at)(l, (int)(j % l->width), (int)(j / l->width), &e);
+		float ramp = ramp_at(l, i, j, &e, &wide);
 		if (own == LIT ? ramp < 0.5f : ramp > 0.5f) /* another edge lies between the two */
 			continue;
 		l->exact[i] = clamp01((SOFT - wide) / (SOFT - SHARP));
@@ -242,9 +257,9 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 
 int32_t ISA(narrow_run)(light *l)
 {
-	const bands_kernel pass[] = {core_rows, ISA(edge_rows), width_rows, deny_rows, narrow_rows};
+	const bands_kernel pass[] = {core_rows, ISA(edge_rows), width_rows, deny_rows, denied_rows, narrow_rows};
 	int32_t code = ENCRE_OK;
-	for (int k = 0; !code && k < 5; k++)
+	for (int k = 0; !code && k < 6; k++)
 		code = bands_run(l->bands, l->height, 0, pass[k], l);
 	return code;
 }

@@ -189,6 +189,18 @@ def test_same_bytes_on_any_threads_and_instructions(name):
         assert (stage.light(LAMPS[name], **options) == first).all()
 
 
+def test_edges_beside_edges_are_the_same_whichever_thread_comes_first():
+    """Of a cloud's penumbrae of a few pixels many have another edge beside them, or lie in half a shadow."""
+    rng, stage = np.random.default_rng(2), Stage(180, 120, (0, -7, 6), at=(0, 0, 0))
+    n = 300
+    cloud = rng.uniform((-3, -3, 0.2), (3, 3, 1.5), (n, 1, 3)) + 0.3 * rng.normal(size=(n, 3, 3))
+    stage.add(cloud.reshape(-1, 3).astype(np.float32), np.arange(3 * n, dtype=np.int32).reshape(-1, 3), np.eye(4))
+    lamp = Lamp("sun", width=0.12, model=ways())
+    first = stage.light(lamp, threads=1)
+    for threads in (2, 3, 5, 8):
+        assert (stage.light(lamp, threads=threads) == first).all(), threads
+
+
 @pytest.mark.parametrize("name", ["sun", "rectangle"])
 def test_a_border_is_its_part_of_the_frame(name):
     stage = Stage(160, 96, smooth=True)
