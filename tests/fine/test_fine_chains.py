@@ -252,3 +252,21 @@ def test_a_line_of_light_runs_where_the_fill_ends(width, threshold):
     middle = (drawn * (np.arange(columns) + 0.5)).sum(1) / drawn.sum(1)
     apart = np.abs(middle - end)[6:-6] / np.sqrt(1 + lean.reshape(rows, fine, -1).mean((1, 2))[6:-6] ** 2)
     assert apart.max() < 0.1
+
+
+@pytest.mark.parametrize("width", [3, 6, 12, 26])
+@pytest.mark.parametrize("levels", [[(0.2,), (0.5, 0.5, 0.05)], [(0.2,), (0.4, 0.4, 0.05), (0.75, 0.7, 0.05)],
+                                    [(0.1,), (0.2, 0.3, 0.05), (0.5, 0.5, 0.05), (0.75, 0.7, 0.05)]],
+                         ids=["one", "two", "three"])
+def test_a_penumbra_has_one_line_for_each_level_that_has_room(width, levels):
+    """A shadow of a sun, however broad: never two lines beside each other that its width has no room for."""
+    rows, columns, fine = 60, 110, 8
+    y, x = (np.indices((rows * fine, columns * fine)) + 0.5) / fine
+    light = np.clip(0.5 + (x - 55 - 0.2 * y) / np.hypot(1, 0.2) / width, 0, 1)
+    layers = flat(rows, columns, light.reshape(rows, fine, columns, fine).mean((1, 3)))
+    layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
+    drawn = ink(layers, edge_light=4.0, edge_color=0.0, line_thickness=2.0, use_hatching=False, use_smudging=False,
+                use_shading=True, shade_levels=levels)[6:-6]
+    lines = ((drawn[:, 1:] > 0.25) & (drawn[:, :-1] <= 0.25)).sum(1)
+    room = 1 + int(width >= 12) * (len(levels) - 2)
+    assert (lines >= 1).all() and (lines <= room).all(), np.unique(lines, return_counts=True)

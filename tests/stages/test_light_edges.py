@@ -63,9 +63,10 @@ def test_a_cubes_shadow_ends_where_geometry_says(width, most):
         light = stage.light(lamp)[..., 0]
         plane = stage.objects() == 1
         share = light / light[plane].max()
-        gap = distances(crossings(share, plane), shadow_outline(stage, from_))
-        found.append(gap[gap < 1])
+        found.append(distances(crossings(share, plane), shadow_outline(stage, from_)))
     found = np.concatenate(found)
+    found = found[~np.isnan(found)]
+    assert (found < 1).all(), "one edge"
     assert len(found) > 800
     assert np.percentile(found, 95) <= most
 
@@ -155,17 +156,17 @@ def singles(light, surface):
     return found
 
 
-@pytest.mark.parametrize("lamp", [Lamp("sun", width=0.00925, model=ways()),
-                                  Lamp("rectangle", width=1, height=1, model=ways()),
-                                  Lamp("point", width=0.5, model=ways())], ids=["sun", "rectangle", "ball"])
-def test_soft_light_is_clean(lamp):
+@pytest.mark.parametrize("lamp, most", [(Lamp("sun", width=0.00925, model=ways()), 0),
+                                        (Lamp("rectangle", width=1, height=1, model=ways()), 4),
+                                        (Lamp("point", width=0.5, model=ways()), 3)], ids=["sun", "rectangle", "ball"])
+def test_soft_light_is_clean(lamp, most):
     stage = Stage(480, 270, smooth=True)
     for k in range(6):  # bars that throw narrow shadows
         model = np.diag([0.03, 0.03, 0.9, 1.0])
         model[:3, 3] = -2.2 - 0.25 * k, -1.5 + 0.4 * k, 0.9
         stage.add(CUBE, CUBE_CORNERS, model)
     light, objects = stage.light(lamp)[..., 0], stage.objects()
-    assert singles(light, objects) <= 4
+    assert singles(light, objects) <= most
     assert specks(light, objects).max() < 0.01
 
 
