@@ -401,3 +401,38 @@ def test_a_small_thing_is_thin_beside_others():
 def test_a_small_thing_that_edges_alone_show_is_whole(side):
     ink = picture(button(side), line_thickness=1.0)[8:23, 13:28].sum()
     assert ink == pytest.approx(4 * side, rel=0.1)
+
+
+def fold(first, last, seed, rows=70, columns=200):
+    """Layers of a wall that no mesh tells of, with a fold of so many degrees at its left, and at its right; noise of
+    1 %."""
+    fine = 4
+    y, x = (np.indices((rows * fine, columns * fine)) + 0.5) / fine
+    bend = np.radians(np.interp(x, (10, columns - 10), (first, last)))
+    slope = np.where(y > 35 + x / 19 + 3 * np.sin(x / 13), 1, -1) * np.tan(bend / 2)
+    normal = np.stack([0 * slope, slope, np.ones_like(slope)], -1) / np.sqrt(1 + slope**2)[..., None]
+    normal = normal.reshape(rows, fine, columns, fine, 3).mean((1, 3))
+    normal += 0.01 * np.random.default_rng(seed).standard_normal(normal.shape)
+    white = np.ones((rows, columns, 3))
+    layers = dict(combined=np.ones((rows, columns, 4)), color=white, diffuse=white, depth=5 * white[..., 0],
+                  normal=normal, object=white[..., 0])
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_weak_parts_of_a_ridge_live_with_strong_ones(seed):
+    """Lines of LAYERS along folds: none, or whole, or one that ends once; between, no dashes as short as noise is."""
+    scene = dict(crease_source="LAYERS", crease_angle=32.0, line_thickness=3.0, width_normal=1.0, length_unit="PIXELS",
+                 line_softness=0.0, line_paper=0.0)
+
+    def lengths(first, last):
+        drawn = library.render(fold(first, last, seed), scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+        on = np.concatenate([[0], (drawn.max(0)[5:-5] > 0.25).astype(int), [0]])
+        return np.diff(np.flatnonzero(np.diff(on)))[::2]
+
+    assert len(lengths(13, 13)) == 0
+    assert lengths(18, 18).tolist() == [190]
+    fading = lengths(40, 10)
+    assert len(fading) == 1 and 100 < fading[0] < 185
+    for angle in (14, 14.5, 15):
+        assert (lengths(angle, angle)[1:-1] >= 12).all()
