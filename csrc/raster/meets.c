@@ -3,7 +3,8 @@
  * the one in front ends, and there is a contour, or it goes on behind the other, and so does the other behind it. That
  * is looked up: each of the two pieces is drawn alone at the pixel that the other one hides it at. Where both are
  * found, and their depths follow from those that can be seen, the line passes where the four depths cross. Where a
- * piece ends before the next pixel, the planes of what can be seen tell. */
+ * piece ends before the next pixel, the planes of what can be seen tell, and between two objects, of which no edge
+ * tells where one ends, all their faces there (fronts.c). */
 #include "raster/meets.h"
 
 #include "raster/contours.h"
@@ -138,17 +139,25 @@ static double planes_cross(const raster *r, const band *b, const meeting *m)
 	return other[0] >= one[0] && one[1] >= other[1] ? share_of(r, b, one, other) : 0;
 }
 
+static float object_of(const raster *r, uint32_t number)
+{
+	return geometry_object(geometry_part(&r->geometry, NULL, number), number);
+}
+
+static bool is_one_object(const raster *r, const meeting *m)
+{
+	return object_of(r, m->one) == object_of(r, m->other);
+}
+
 /* Where one of both pieces turns away or ends soon after it has gone on behind the other, its planes tell: between two
  * objects an outline, within one a crease. Of an edge that tells, too, it has the place: that may lie below the other.
  */
 static void end_there(const raster *r, const band *b, const meeting *m, float *mark, float *crease)
 {
-	bool one_object = geometry_object(geometry_part(&r->geometry, NULL, m->one), m->one) ==
-			  geometry_object(geometry_part(&r->geometry, NULL, m->other), m->other);
 	float share = (float)planes_cross(r, b, m);
 	if (!(share > 0))
 		return;
-	if (!one_object) {
+	if (!is_one_object(r, m)) {
 		*mark = -share;
 		return;
 	}
@@ -157,9 +166,36 @@ static void end_there(const raster *r, const band *b, const meeting *m, float *m
 	crease[0] = crease[1] != 0 ? share : 0;
 }
 
+static float *mark_of(const raster *r, const meeting *m)
+{
+	return r->job->marks.data ? pixel_at(&r->job->marks, m->x - r->room.x0, m->y - r->room.y0) + m->down : NULL;
+}
+
+static float *crease_of(const raster *r, const meeting *m)
+{
+	return pixel_at(&r->job->creases, m->x - r->room.x0, m->y - r->room.y0) + 2 * m->down;
+}
+
+/* Places of outlines between two objects by all faces that pass there. */
+static void refine(const raster *r, int i, meets *room, uint32_t n)
+{
+	if (n == 0)
+		return;
+	fronts_find(r, i, &room->fronts, n);
+	for (uint32_t k = 0; k < n; k++) {
+		const meeting *m = room->way + room->refined[k];
+		float share = (float)room->fronts.way[k].share, *crease = crease_of(r, m);
+		if (!(share > 0))
+			continue;
+		*mark_of(r, m) = -share;
+		crease[0] = crease[1] == through ? share : crease[0];
+	}
+}
+
 static void settle(const raster *r, int i, const band *b, meets *room, uint32_t n)
 {
 	alone *look = room->look;
+	uint32_t n_refined = 0;
 	if (n == 0)
 		return;
 	draw_alone(r, i, b, look, (int)(2 * n));
@@ -167,20 +203,30 @@ static void settle(const raster *r, int i, const band *b, meets *room, uint32_t 
 		*(look[k].way % 2 ? &room->way[look[k].way / 2].at_one : &room->way[look[k].way / 2].at_other) = k;
 	for (uint32_t k = 0; k < n; k++) {
 		const meeting *m = room->way + k;
-		int x = m->x - r->room.x0, y = m->y - r->room.y0;
-		float *crease = pixel_at(&r->job->creases, x, y) + 2 * m->down;
-		float *mark = r->job->marks.data ? pixel_at(&r->job->marks, x, y) + m->down : NULL;
-		float share = (float)crossing_of(r, b, m, look + m->at_other, look + m->at_one);
+		float *crease = crease_of(r, m), *mark = mark_of(r, m);
+		float share = m->may ? (float)crossing_of(r, b, m, look + m->at_other, look + m->at_one) : 0;
 		bool told = !mark || contour_mark(*mark) != 0; /* or it is not known */
 		if (share > 0) {
 			crease[0] = share;
 			crease[1] = through;
 		}
-		if (share > 0 && !told)
+		if (told)
+			continue;
+		if (share > 0)
 			*mark = -share;
-		else if (!told)
+		else if (m->may)
 			end_there(r, b, m, mark, crease);
+		if (is_one_object(r, m))
+			continue;
+		room->fronts.way[n_refined] = (front_way){
+			.piece = {r->piece[m->one], r->piece[m->other]}, .x = m->x, .y = m->y, .down = m->down};
+		room->refined[n_refined] = k;
+		if (++n_refined < FRONTS_WAYS)
+			continue;
+		refine(r, i, room, n_refined);
+		n_refined = 0;
 	}
+	refine(r, i, room, n_refined);
 }
 
 /* ---- where to look ----------------------------------------------------------------------------------------- */
@@ -210,11 +256,13 @@ void meets_draw(const raster *r, int i, const band *b, int end, meets *room)
 				size_t q = p + (down ? (size_t)r->width : 1);
 				uint32_t one = b->front[p], other = b->front[q];
 				if (one == other || one == NOTHING || other == NOTHING ||
-				    r->piece[one] == r->piece[other] || b->twin[p] != NOTHING ||
-				    b->twin[q] != NOTHING ||
-				    !may_meet(r, one, other, centre_of(x, y), centre_of(qx, qy)))
+				    r->piece[one] == r->piece[other] || b->twin[p] != NOTHING || b->twin[q] != NOTHING)
 					continue;
-				room->way[n] = (meeting){.x = x, .y = y, .down = down, .one = one, .other = other};
+				meeting m = {.x = x, .y = y, .down = down, .one = one, .other = other};
+				m.may = may_meet(r, one, other, centre_of(x, y), centre_of(qx, qy));
+				if (!m.may && (!mark_of(r, &m) || contour_mark(*mark_of(r, &m)) != 0))
+					continue;
+				room->way[n] = m;
 				room->look[2 * n] = (alone){r->piece[one], 2 * n, NOTHING, qx, qy, INFINITY};
 				room->look[2 * n + 1] = (alone){r->piece[other], 2 * n + 1, NOTHING, x, y, INFINITY};
 				if (++n < MEETS_WAYS)

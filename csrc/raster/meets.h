@@ -3,7 +3,7 @@
 #ifndef ENCRE_MEETS_H
 #define ENCRE_MEETS_H
 
-#include "raster/raster.h"
+#include "raster/fronts.h"
 
 enum { MEETS_WAYS = 2048 }; /* between pixels, that are looked at together */
 
@@ -18,7 +18,7 @@ typedef struct alone {
  * the first pixel at the second one, and the other way round. */
 typedef struct meeting {
 	int x, y;
-	bool down;
+	bool down, may;      /* may: else at most one of them ends between the two */
 	uint32_t one, other; /* in front at both */
 	uint32_t at_other, at_one;
 } meeting;
@@ -27,6 +27,8 @@ typedef struct meeting {
 typedef struct meets {
 	meeting way[MEETS_WAYS];
 	alone look[2 * MEETS_WAYS];
+	fronts fronts;
+	uint32_t refined[FRONTS_WAYS]; /* ways that are looked at there */
 } meets;
 
 /* Adds to the creases, and the marks if they are there, of band `i`, whose own rows end before `end`. */

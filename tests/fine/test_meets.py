@@ -213,3 +213,45 @@ def test_a_wall_seen_at_a_grazing_angle_ends_where_it_meets_the_ground():
                          (1, maps["object"][1:] != maps["object"][:-1])):
         told = maps["marks"][:, :-1, 0] if axis == 0 else maps["marks"][:-1, :, 1]
         assert (told[change] < 0).all()
+
+
+def rod(turn, sunk, sides):
+    """A rod of radius 4 that leans, sunk into a plane that is turned by `turn` radians; two meshes, in pixels."""
+    angle, k = np.arange(sides) * 2 * np.pi / sides, np.arange(sides)
+    ring = np.stack([4 * np.cos(angle), 0 * angle, 4 * np.sin(angle) + 4 - sunk], 1)
+    points, plane = np.concatenate([ring - (0, 200, 0), ring + (0, 200, 0)]), 300 * np.array(
+        [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
+    points[:, 0] += 0.15 * points[:, 1]
+    turned = np.array([(np.cos(turn), 0, -np.sin(turn)), (0, 1, 0), (np.sin(turn), 0, np.cos(turn))])
+    points, plane = (np.float32(a @ turned + (20, 30, -200)) for a in (points, plane))
+    sides_of = np.stack([k, (k + 1) % sides, (k + 1) % sides + sides], 1), np.stack(
+        [k, (k + 1) % sides + sides, k + sides], 1)
+    return [Mesh(points, np.concatenate(sides_of).astype(np.int32), object_index=1),
+            Mesh(plane, np.int32([(0, 1, 2), (0, 2, 3)]), object_index=2)]
+
+
+@pytest.mark.parametrize("sides", [8, 24])
+@pytest.mark.parametrize("turn", [0.2, 0.4, 0.5, 0.6, 0.8, -0.5])
+@pytest.mark.parametrize("sunk", [0.5, 2.3, 3.9])
+def test_a_rod_on_a_board_ends_between_pixels_where_it_does(turn, sunk, sides):
+    """Be that where it turns away or where it goes into the board, on a face that no pixel shows. Beside the objects of
+    64 pixels for each."""
+    fine, (width, height) = 64, (48, 24)
+    own, large = rod(turn, sunk, sides), rod(turn, sunk, sides)
+    for mesh in large:
+        mesh.points[:, 0] *= fine
+    maps = library.raster(own, *pixels(640, 720), Frame(640, 720), (width, height), 0.1,
+                          outputs=("object", "marks", "creases"))
+    true = library.raster(large, *pixels(640 * fine, 720), Frame(640 * fine, 720), (width * fine, height), 0.1,
+                          outputs=("object",))["object"].reshape(height, -1)
+    number = maps["object"].reshape(height, width)
+    rows, columns = np.nonzero(number[:, :-1] != number[:, 1:])
+    assert len(rows) == 2 * height
+    place = -maps["marks"][rows, columns, 0] % 2
+    off = []
+    for row, column, share in zip(rows, columns, place, strict=True):
+        assert 0 < share <= 1
+        passed = true[row, column * fine + fine // 2:(column + 1) * fine + fine // 2]
+        ends = np.argmax(passed != passed[0]) / fine if (passed != passed[0]).any() else 1.0
+        off.append(min(abs(share - ends), 1 - abs(share - ends)))  # at a pixel's centre it is the one way's or the next
+    assert max(off) < (0.1 if sides == 24 else 0.03)  # an edge that tells where it turns away may lie below the board
