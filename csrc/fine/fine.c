@@ -136,9 +136,9 @@ static bool gives_way(const fine *n)
 	       n->e->on[SOURCE_MARK];
 }
 
-static bool is_colored(const fine *n)
+static bool may_crowd(const fine *n)
 {
-	return n->e->on[SOURCE_COLOR];
+	return n->e->on[SOURCE_COLOR] || n->e->on[SOURCE_LIGHT];
 }
 
 /* ---- the way --------------------------------------------------------------------------------------------- */
@@ -182,7 +182,7 @@ static const pass passes[] = {
 	{"tie", NULL, ISA(fine_tie), FOUND | PLACED | CELLS | KEPT | LINKS, LINKS | PLACED, BROKEN(links)},
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
 	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
-	{"crowd", is_colored, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
+	{"crowd", may_crowd, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
 	{"close eyes", NULL, ISA(fine_close_eyes), PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"give way", gives_way, ISA(fine_give_way), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS, KEPT,
 	 BROKEN(crowd)},

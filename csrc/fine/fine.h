@@ -342,7 +342,7 @@ int32_t ISA(fine_smooth)(fine *n);
 int32_t ISA(fine_tie)(fine *n);
 /* eyes.c: leaves one of two ways round a lone pixel. */
 int32_t ISA(fine_close_eyes)(fine *n);
-/* density.c: bounds the radius of lines between colours by the room they have. */
+/* density.c: bounds the radius of lines between colours, and of light, by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
 /* rooms.c: likewise of edges of meshes, lines by hand, light, and contours within a thing, beside older lines. */
 int32_t ISA(fine_give_way)(fine *n);

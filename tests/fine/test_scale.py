@@ -112,6 +112,20 @@ def test_lines_between_colours_fade_at_the_same_distance_at_all_slants():
         assert min(ink) > 0.15 and max(ink) < 1.15 * min(ink), (apart, ink)
 
 
+@pytest.mark.parametrize("lean", [0.0, 0.3, 1.0])
+def test_lines_of_light_fade_where_they_close_up(lean):
+    """As in the shadow of a fence far away: it is a tone, no black ropes."""
+    def ink(apart):
+        layers = striped(apart, lean)
+        layers["diffuse"] = np.repeat(2 * layers["color"][..., :1] - 0.5, 3, 2)
+        layers["color"] = np.full_like(layers["diffuse"], 0.6)
+        scene = dict(edge_detector="FINE", edge_light=4.0, line_thickness=2.0, line_softness=0.0, line_paper=0.0)
+        return library.render(layers, scene, outputs=["Encre Lines"],
+                              frame=Frame(1440, 1080, 100, 100)).images["Encre Lines"][15:-15, 15:-15, 3].mean()
+    far = {apart: ink(apart) for apart in (12, 8, 5, 3.5, 2.5, 1.7, 1.0)}
+    assert 0.07 < far[12] < far[8] < far[5] and max(far.values()) < 0.36 and max(far[2.5], far[1.7], far[1.0]) < 0.25, far
+
+
 @pytest.mark.parametrize("lines", [1080, 2160])
 def test_a_rail_is_as_wide_above_its_posts(lines):
     """Where a post goes down from it, nothing says that it is thin but what lies on both sides."""

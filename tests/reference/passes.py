@@ -348,8 +348,15 @@ def _lean(t, i, axis):
 def crowd(t, shape, scale, turns):
     """1 over the greatest radius of each site, 0 where it is not bounded; unsure. turns: by row, column and axis, at
     which share of the pixels about colours turn back, and whether that is sure."""
+    found = [_crowd(t, shape, scale, rank, turns if rank == COLOR else lambda *_: (0, False))
+             for rank in (COLOR, LIGHT)]
+    return found[0][0] + found[1][0], found[0][1] | found[1][1]
+
+
+def _crowd(t, shape, scale, rank, turns):
+    """Of the sites of a rank."""
     reach, spread, gone = px(scale, 0.6) * np.array([10.0, 20.0, 2.5])
-    counts = [i for i in range(len(t)) if t.rank[i] == COLOR and (not t.dropped[i] or t.site["crumb"][i])]
+    counts = [i for i in range(len(t)) if t.rank[i] == rank and (not t.dropped[i] or t.site["crumb"][i])]
     near, doubt = {}, set()
     for i in counts:
         ahead_axis = 1 if t.axis[i] == COLUMN else 0
@@ -365,7 +372,8 @@ def crowd(t, shape, scale, turns):
             if abs(ahead) > least and abs(aside) <= most:
                 nexts[int(ahead > 0)] = min(nexts[int(ahead > 0)], abs(ahead))
         room = max(nexts)
-        near[i] = 1 / (room / (2 - room / reach) if FAMILIES[t.family[i]] == "color_band" else room)
+        stripe = FAMILIES[t.family[i]] in ("color_band", "light_band")
+        near[i] = 1 / (room / (2 - room / reach) if stripe else room)
         back, open_ = turns(*(int(t.site[name][i]) for name in ("row", "column", "axis")))
         near[i] = max(near[i], min(max((back - 0.25) / 0.2, 0.0), 1.0))
         doubt |= {i} if open_ else set()

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How much room lines between colours have: where a texture is farther away than its pixels can show, as a
- * chequered floor is near the horizon, its lines close up, break, and follow what sampling has left of it. They get
- * thinner as the next lines on both sides come near, and are gone before that is all there is to see. */
+/* How much room lines between colours have, and lines of light: where a texture is farther away than its pixels can
+ * show, as a chequered floor is near the horizon, or the shadow of a fence, its lines close up, break, and follow what
+ * sampling has left of it. They get thinner as the next lines of their kind on both sides come near, and are gone
+ * before that is all there is to see. */
 #include "fine/near.h"
 
 enum { CHUNK = 512 };
@@ -17,15 +18,16 @@ static const float share = 0.25f; /* of the room beyond that, which a line's hal
 
 typedef struct crowd {
 	fine *n;
+	int rank;
 	float reach, spread, gone; /* in pixels */
 	float *near;               /* by site: 1 / the distance to the farther of the next lines on both sides */
 	float (*sum)[2];           /* by cell: of that, and how many sites there are */
 } crowd;
 
 /* What was too short to be a line shows all the same how dense lines would be. */
-static bool counts(const site *s)
+static bool counts(const site *s, int rank)
 {
-	return rank_of(s) == RANK_COLOR && (!s->linked.dropped || s->linked.crumb);
+	return rank_of(s) == rank && (!s->linked.dropped || s->linked.crumb);
 }
 
 static bool is_next(const site *s, const site *other, float ahead, float aside)
@@ -62,7 +64,7 @@ static void look_in(const fine *n, const site *s, near_sites strip, gap *g)
 		bool down = s->found.axis == AXIS_COLUMN;
 		float x = other->placed.x - s->placed.x, y = other->placed.y - s->placed.y, aside = down ? x : y,
 		      ahead = ((down ? y : x) + g->lean * aside) * g->along;
-		if (!is_next(s, other, ahead, aside) || !counts(other))
+		if (!is_next(s, other, ahead, aside) || !counts(other, rank_of(s)))
 			continue;
 		if (ahead > 0)
 			g->after = ahead < g->after ? ahead : g->after;
@@ -95,7 +97,8 @@ static float distance_to_next(const crowd *c, uint32_t i)
 				&g);
 		}
 	float next = g.before > g.after ? g.before : g.after;
-	return s->found.family == FAMILY_COLOR_BAND ? next / (2 - next / c->reach) : next; /* a stripe has two sides */
+	bool stripe = s->found.family == FAMILY_COLOR_BAND || s->found.family == FAMILY_LIGHT_BAND;
+	return stripe ? next / (2 - next / c->reach) : next; /* it has two sides */
 }
 
 static void find_next(void *data, int first, int end, int thread)
@@ -103,8 +106,8 @@ static void find_next(void *data, int first, int end, int thread)
 	(void)thread;
 	const crowd *c = data;
 	for (int i = first; i < end && !stopped_at(c->n, i); i++)
-		if (counts(c->n->site + i)) {
-			float turns = ISA(color_turns)(c->n, &c->n->site[i].found);
+		if (counts(c->n->site + i, c->rank)) {
+			float turns = c->rank == RANK_COLOR ? ISA(color_turns)(c->n, &c->n->site[i].found) : 0;
 			c->near[i] = max(1 / distance_to_next(c, (uint32_t)i),
 					 clamp01((turns - turns_from) / (turns_full - turns_from)));
 		}
@@ -118,7 +121,7 @@ static void sum_cells(void *data, int first, int end, int thread)
 		float *sum = c->sum[cell];
 		sum[0] = sum[1] = 0;
 		for (uint32_t k = c->n->cell[cell]; k < c->n->cell[cell + 1]; k++)
-			if (counts(c->n->site + c->n->member[k])) {
+			if (counts(c->n->site + c->n->member[k], c->rank)) {
 				sum[0] += c->near[c->n->member[k]];
 				sum[1]++;
 			}
@@ -140,7 +143,7 @@ static void bound(void *data, int first, int end, int thread)
 	const crowd *c = data;
 	for (int i = first; i < end && !stopped_at(c->n, i); i++) {
 		site *s = c->n->site + i;
-		if (s->linked.dropped || !counts(s))
+		if (s->linked.dropped || !counts(s, c->rank))
 			continue;
 		float mean = mean_distance(c, s), room = mean > c->gone ? mean - c->gone : 1e-6f;
 		s->linked.crowd = (1 - mean / c->reach) / (share * room);
@@ -159,8 +162,20 @@ int32_t ISA(fine_crowd)(fine *n)
 		   .sum = late_take(&n->f->late, (size_t)cells, sizeof *c.sum)};
 	if (!c.near || !c.sum)
 		return ENCRE_ERROR_MEMORY;
-	int32_t code = bands_run(n->f->bands, (int)n->count, CHUNK, find_next, &c);
-	if (!code)
-		code = bands_run(n->f->bands, cells, CHUNK, sum_cells, &c);
-	return code ? code : bands_run(n->f->bands, (int)n->count, CHUNK, bound, &c);
+	const struct {
+		int rank;
+		bool on;
+	} kinds[] = {{RANK_COLOR, n->e->on[SOURCE_COLOR]}, {RANK_LIGHT, n->e->on[SOURCE_LIGHT]}};
+	int32_t code = ENCRE_OK;
+	for (int k = 0; k < 2 && !code; k++) {
+		if (!kinds[k].on)
+			continue;
+		c.rank = kinds[k].rank;
+		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_next, &c);
+		if (!code)
+			code = bands_run(n->f->bands, cells, CHUNK, sum_cells, &c);
+		if (!code)
+			code = bands_run(n->f->bands, (int)n->count, CHUNK, bound, &c);
+	}
+	return code;
 }
