@@ -81,6 +81,25 @@ def test_colour_runs_over_the_border_as_far_as_asked():
     np.testing.assert_allclose(row[[26, 53]], [0.2, 0.7], atol=5e-4)
 
 
+def test_colour_runs_on_beyond_a_line_of_ink():
+    """As watercolour does over waterproof ink: the line stays as it is, and beyond it is colour from its other side."""
+    layers = halves()
+    layers["object"] = np.float32(np.arange(80) >= 40)[None, :, None] * np.ones((40, 1, 1), np.float32) + 1
+    inked = dict(WASH, **PLAIN, use_lines=True, edge_color=0, line_thickness=6.0, line_softness=0.0, line_paper=0.0,
+                 wash_bleed_width=16.0)
+    names = "Combined", "Encre Lines"
+    dry, wet = (library.render(layers, dict(inked, wash_bleed=bleed), outputs=names).images for bleed in (0.0, 1.0))
+    ink = dry["Encre Lines"][20, :, 3]
+    assert dry["Encre Lines"].tobytes() == wet["Encre Lines"].tobytes() and ink.max() > 0.99
+    left, right = np.flatnonzero(ink > 0.01)[[0, -1]]
+    assert 33 < left < 40 <= right < 46
+    one, other = (picture["Combined"][20, :, 0] for picture in (dry, wet))
+    assert (np.abs(one - other)[ink > 0.99] < 1e-6).all()
+    np.testing.assert_allclose(one[right + 1:], 0.7, atol=1e-4)
+    assert (other[right + 1:right + 4] < 0.69).all() and (other[left - 3:left] > 0.21).all()
+    np.testing.assert_allclose(other[60:], 0.7, atol=1e-3)
+
+
 def test_borders_stray_no_farther_than_asked_and_are_crisp():
     picture = draw(halves(size=160, rows=300), dict(WASH, **{**PLAIN, "wash_wobble": 6.0}))[..., 0]
     ends = (picture < 0.45).sum(1)
