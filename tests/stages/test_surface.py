@@ -138,6 +138,32 @@ def test_any_levels(data):
     assert_agrees(layers, dict(ONLY_SHADING, shade_levels=levels, shade_tint_weight=0.7), tolerance=1e-4)
 
 
+def test_painted_light_is_half_of_full_light_more_or_less():
+    """A control of 1 lights .3 up over a threshold of .75, and not .2; -1 takes as much; and of .5 half."""
+    light = np.float32([0.2, 0.3, 1.2, 1.3, 0.45, 0.55])[None, :, None] * np.ones((3, 1, 3), np.float32)
+    one, painted = np.ones_like(light[..., :1]), np.zeros((3, 6, CONTROLS), np.float32)
+    painted[..., list(library.controls()).index("light")] = [1, 1, -1, -1, 0.5, 0.5]
+    layers = dict(combined=np.concatenate([light, one], -1), color=np.ones_like(light), diffuse=light, depth=one,
+                  normal=np.ones_like(light))
+    scene = dict(ONLY_SHADING, shade_levels=[(0.25,), (1.0, 0.75, 0.0)])
+    lit = draw(dict(layers, controls=painted), scene)["Combined"][..., 0] > 0.5
+    assert (lit == [False, True, False, True, False, True]).all()
+    lit = draw(layers, scene)["Combined"][..., 0] > 0.5
+    assert (lit == [False, False, True, True, False, False]).all()
+
+
+@pytest.mark.parametrize("slider", ["other_background", "other_highlights", "other_reflections", "other_glow"])
+def test_with_all_of_what_is_not_diffuse_at_1_layers_of_its_parts_change_nothing(slider):
+    layers, ones = random_layers(40, 64), dict(other_background=1.0, other_highlights=1.0, other_reflections=1.0,
+                                               other_glow=1.0)
+    parts = {name: layers[name] for name in ("specular", "highlights", "background")}
+    plain = {name: a for name, a in layers.items() if name not in parts}
+    for scene in ONLY_SHADING, dict(ONLY_SHADING, other_light=0.4):
+        whole = draw(plain, scene)["Combined"]
+        assert draw(layers, dict(scene, **ones))["Combined"].tobytes() == whole.tobytes()
+        assert np.abs(draw(layers, {**scene, **ones, slider: 0.5})["Combined"] - whole).max() > 0.01
+
+
 def test_dark_colours_keep_their_levels_apart():
     """A black coat under rising light: without help it is black all over, with it each level is lighter."""
     light = np.repeat(np.float32([0.3, 0.6, 1.2]), 40).reshape(1, -1, 1) * np.ones((40, 1, 3), np.float32)
