@@ -6,7 +6,7 @@ import exr
 import numpy as np
 import pytest
 from encre.cli import composite, multilayer
-from encre.pen import metadata, slim
+from encre.pen import metadata, saved, slim
 from encre.pen.job import Camera, Frame
 
 SIZE = 80, 56
@@ -86,3 +86,11 @@ def test_without_a_camera_or_where_asked_what_mirrors_show_stays(tmp_path, passe
         assert not {"Encre Seen Normal", "Encre Seen Color"} & held
         for name in "Denoising Normal", "Denoising Albedo":
             assert np.array_equal(back[name], passes[name]), name
+
+
+def test_of_what_sticks_places_are_floats_and_the_rest_halves():
+    full = {name: [f"ViewLayer.{name}.{letter}" for letter in letters] for name, letters in saved.passes().items()}
+    made = slim.Packer({"ViewLayer": {"": full}}, lambda passes: passes, {}, CAMERA).parts
+    kinds = {name: set(made[f"ViewLayer.{name}"].values()) for name in (*saved.ANCHOR, "Encre Tangent", "Encre Card")}
+    assert {name for name, found in kinds.items() if found == {"float"}} == {"Encre Anchor", "Encre Card"}
+    assert all(found == {"half"} for name, found in kinds.items() if name not in ("Encre Anchor", "Encre Card"))
