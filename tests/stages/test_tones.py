@@ -433,6 +433,15 @@ def test_a_black_picture_is_inked_by_chance():
         assert abs(ink.mean() - (thresholds(black, 24.0) < dark).mean()) < 0.02
 
 
+@pytest.mark.parametrize("amount, inks", [(0.7, (0, 0, 0.18, 0.76, 0.97)), (1.0, (0.03, 0.2, 0.72, 0.99, 1)),
+                                          (None, (0.1, 0.25, 0.5, 0.75, 0.9))])
+def test_ink_of_grain_is_what_the_page_says(amount, inks):
+    """docs/tones.md, as a cubic tells for what is asked for where no amount is given."""
+    for dark, ink in zip((0.1, 0.25, 0.5, 0.75, 0.9), inks, strict=True):
+        own = amount or ((1.021 * dark - 1.735) * dark + 0.21) * dark + 1.078
+        assert abs(flat(dark, tone_1="GRAIN", hatch_amount=own).mean() - ink) < 0.01, dark
+
+
 @pytest.mark.parametrize("kind, down", [("DOTS", (-0.001, 0.017)), ("DOTS", (0.005, 0.015)), ("DOTS", (0.009, 0.009)),
                                         ("LINES", (-0.001, 0.017)), ("CROSS", (-0.001, 0.017)),
                                         ("IMAGE", (-0.001, 0.017))])
