@@ -132,6 +132,7 @@ int32_t ISA(tone_marks_run)(frame *f, tone_marks *m, bool looked)
 			if (tone_marked(m->styles[i].slot + k))
 				pitch = max(pitch, m->styles[i].slot[k].most);
 	float reach = 0.65f * stroke_length * pitch;
+	ISA(tone_turns_find)(f, m);
 	w.reach = (int)min(reach + tone_step(reach) + pitch, (float)f->height) + 3;
 	int32_t code = looked ? ENCRE_OK : bands_run(f->bands, f->height, 0, look_at_rows, &w);
 	if (code)

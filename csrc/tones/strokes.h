@@ -21,6 +21,7 @@ enum {
 	TONE_BLOCK = 32,
 	TONE_PLACES_OUT = 8 /* from a stroke's middle to its end, and two more */,
 	TONE_LEAST_STEP = 4 /* pixels */,
+	TONE_TURNS = 4096 /* things whose turn is known */,
 	TONE_ENDS_RIGHT = 4,
 	TONE_ENDS_DOWN = 8,
 	TONE_FOUND = 16,
@@ -62,12 +63,19 @@ typedef struct tone_block {
 	bool parted;
 } tone_block;
 
+/* How a thing is turned from rest, seen by the camera, row by row, times any number. */
+typedef struct tone_turn {
+	float object, by[9];
+	bool taken;
+} tone_turn;
+
 /* What strokes have of a frame; NULL where there are none. */
 struct tone_marks {
 	const tone_style *styles;
 	uint8_t *bytes; /* of each row all pixels' darkness, then their bits, ... */
 	float *ink;
 	tone_block *blocks; /* twice all: each with the 8 about it, and alone */
+	tone_turn *turns;   /* TONE_TURNS; NULL: no strokes go toward the light */
 	int32_t width;
 	int64_t *first; /* height + 1: of each row */
 	tone_mark *marks;
@@ -127,6 +135,9 @@ bool ISA(tone_near_seam)(const tone_rest *rest, int i);
 float ISA(tone_grown_beside_seam)(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y);
 bool ISA(tone_before_seam)(const frame *f, const tone_slot *s, const tone_rest *rest, int i, int x, int y, int axis,
 			   bool second, const float way[2]);
+/* held.c: how things are turned; how one is, NULL where nobody knows. */
+void ISA(tone_turns_find)(const frame *f, tone_marks *m);
+const float *ISA(tone_turn_of)(const tone_marks *m, float object);
 /* ways.c: of the pixels of a chunk that strokes of slot k fill: their ways, and where the surface ends. */
 void ISA(tone_ways)(const frame *f, const tone_marks *m, const tone_slot *slots, int k, const tone_rest *rest, int y,
 		    int x, int n);

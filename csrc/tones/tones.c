@@ -263,6 +263,15 @@ static bool marked(const frame *f)
 	return found;
 }
 
+/* Whether strokes of things go toward the light. */
+static bool lit(const frame *f)
+{
+	bool found = false;
+	for (int i = 0; i < f->n_styles; i++)
+		found |= ISA(tone_marks_wanted)(f->params + i) && f->params[i].tone_strokes == tone_strokes_LIGHT;
+	return found && f->layer[ENCRE_LAYER_ANCHOR].data;
+}
+
 static bool works(const frame *f)
 {
 	return marked(f) || tone_fitted(f);
@@ -284,6 +293,7 @@ static void plan(frame *f, arena *a)
 			.ink = arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *planes.ink),
 			.blocks = arena_take(a, (size_t)tone_blocks(f->width) * (size_t)tone_blocks(f->height),
 					     2 * sizeof *planes.blocks),
+			.turns = lit(f) ? arena_take(a, TONE_TURNS, sizeof *planes.turns) : NULL,
 			.width = f->width,
 			.first = arena_take(a, (size_t)f->height + 1, sizeof *planes.first)};
 		if (m)
@@ -312,10 +322,10 @@ static int32_t prepare(frame *f)
 	return code;
 }
 
-/* Whether strokes are told by layers alone, without what is clear of them. */
+/* Whether strokes are told by layers of their pixels alone, without what is clear of them and how whole things lie. */
 static bool looks_first(const tone_frame *t)
 {
-	return t && t->marks && !t->detail.keep;
+	return t && t->marks && !t->detail.keep && !t->marks->turns;
 }
 
 static void first_rows(void *data, int y0, int y1, int thread)

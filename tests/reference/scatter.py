@@ -9,6 +9,7 @@ LENGTH, JITTER, FULL, STRAY, STEPS = 5.0, 0.6, np.log(2), 0.1, 6
 ROWS = 0.08  # sine of the angle up to which a stroke goes along a row of its lattice
 HELD, DARKER, LEAST_ON = 0.6, 32, 0.25
 MOST_AHEAD = 0.3
+APART, LEAST_FACING = 4, 0.1
 BESIDE = 0, 0.381966, 0.763932
 TURNED = 0, np.radians(45), np.radians(-60)
 AXES = np.array([(0.148, 0.0986, 0.984), (0.148, 0.984, 0.0986)])
@@ -54,14 +55,40 @@ def axes(anchor):
     return first, np.argmax(np.where(np.arange(3) == first[..., None], 0, normal), -1)
 
 
+def unit(v):
+    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-15)
+
+
+def basis(right, down, normal):
+    """Directions at right angles, the columns of matrices, the last along the normal."""
+    normal = unit(normal)
+    right = unit(right - (right * normal).sum(-1, keepdims=True) * normal)
+    down = down - (down * normal).sum(-1, keepdims=True) * normal
+    return np.stack([right, unit(down - (down * right).sum(-1, keepdims=True) * right), normal], -1)
+
+
+def turns(layers, anchor):
+    """By object, how it is turned from rest as the camera sees it, times any number: the mean of its pixels'."""
+    y, x = np.mgrid[:anchor.shape[0], :anchor.shape[1]]
+    seen = unit(layers.normal @ layers.view.T)
+    own = ((x + layers.x) % APART == 0) & ((y + layers.y) % APART == 0) & (anchor[..., 6] > 0)
+    own &= (seen[..., 2] >= LEAST_FACING) & (np.abs(anchor[..., 3:6]).max(-1) > 0)
+    seen, anchor, objects = seen[own], anchor[own].astype(float), layers.object[own]
+    right, down = np.tile([1.0, 0, 0], (len(seen), 1)), np.tile([0, -1.0, 0], (len(seen), 1))
+    right[:, 2], down[:, 2] = -seen[:, 0] / seen[:, 2], seen[:, 1] / seen[:, 2]
+    turned = basis(right, down, seen) @ np.swapaxes(basis(anchor[:, 7:10], anchor[:, 10:13], anchor[:, 3:6]), 1, 2)
+    return {k: (turned * seen[:, 2:, None])[objects == k].sum(0) for k in np.unique(objects)}
+
+
 class Drawing:
     """What a tone's marks are drawn on. charts: (axis of the rest normal that tells it, two fields of value, right and
     down) on which their places lie, unturned; of spots two."""
 
     def __init__(self, layers, kind, bounds, angle, anchor, charts, dark, lattice, crisp=False,
-                 light=None, by_uv=False):
+                 light=None, by_uv=False, flat=False):
         self.layers, self.spots, self.angle, self.anchor, self.dark = layers, kind == "STIPPLE", angle, anchor, dark
         self.light, self.by_uv = light, by_uv  # the direction toward it, if strokes go there; whether along U
+        self.rolled = {} if light is None or anchor is None or flat else turns(layers, anchor)
         self.bounds = bounds  # pixels between which marks are a unit apart
         self.charts, self.lattice, self.crisp = charts, lattice, crisp
         self.ink = np.zeros(dark.shape)
@@ -105,6 +132,9 @@ class Drawing:
             view = self.layers.view
             light, normal = view @ self.light, view @ self.layers.normal[y, x]
             along = light - (light @ normal) * normal
+            turned = self.rolled.get(self.layers.object[y, x])
+            if turned is not None and self.anchor[y, x, 6] > 0:
+                return self.held(self.anchor[y, x].astype(float), turned.T @ light, along, turn)
             on = np.cos(turn) * along + np.sin(turn) * np.cross(normal, along)
             return np.array((on[0], -on[1]))
         if self.anchor is None:
@@ -126,6 +156,16 @@ class Drawing:
         on = on.real * along + on.imag * across
         found = np.linalg.lstsq(np.stack([right, down], 1), on, rcond=None)[0]
         return found / max(np.linalg.norm(found), 1e-30)
+
+    def held(self, a, light, along, turn):
+        """Toward the light as at rest, let go by degrees. light: that one; along: toward it now, seen."""
+        right, down = a[7:10], a[10:13]
+        along = unit(along[0] * right - along[1] * down)
+        side = np.cross(a[3:6], along)
+        on, off = light @ along, light @ side
+        slip = on * off / max(on * on + off * off, 1e-30)
+        on = np.cos(turn) * (along + slip * side) + np.sin(turn) * (side - slip * along)
+        return np.linalg.lstsq(np.stack([right, down], 1), on, rcond=None)[0]
 
     def half(self, layer, rank, size, x, y):
         """size: of the pitch, in pixels."""

@@ -383,7 +383,7 @@ def _ink(layers, of, look, dark, scale, paper, own):
             charts = [(axis, chart(np.cos(turn), np.sin(turn), axis)) for axis in axes]
             ink = scatter.Drawing(layers, kind, bounds, np.radians(angle), anchor, charts, dark, lattice,
                                   of("tone_crisp"), _light(of),
-                                  of("tone_strokes") == "UV" and space != "FLAT").draw(own)
+                                  of("tone_strokes") == "UV" and space != "FLAT", space == "FLAT").draw(own)
         return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark
     if anchor is None:
