@@ -44,6 +44,17 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 	return seen ? 0.2126f * r + 0.7152f * g + 0.0722f * b : max3(r, g, b);
 }
 
+/* How dark a colour counts as, of such a lightness. Red-brown hair is as light as brown skin, but redder: of deep reds
+ * what is lighter than a quarter of the way from black to dark is taken as darker, so that some more lie below dark,
+ * and none that is not black gets black. No skin has more red than 2.6 times its green, all but. */
+static inline float counts_as(const encre_params *p, float bright, float r, float g, float b, float black, float dark)
+{
+	static const float skin = 2.6f, quarter = 0.25f;
+	float most = max(g, b), red = clamp01((r - skin * most) / max(most, FLT_MIN));
+	float from = black + quarter * (dark - black), span = dark - from, end = span + p->tone_reds * red * dark;
+	return p->tone_reds > 0 && span > 0 && bright > from ? from + (bright - from) * span / end : bright;
+}
+
 /* The light that a colour has that is no black: none just above one, or a shaded one would be as black as black in any
  * light and the next as white as white. Lit it has a share of it, and in the shade hardly less than others, or the
  * shaded half of a dark face, features and all, would be black beside a lit one in a tone: squares of one over each are
@@ -108,7 +119,8 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		float shown = lightness(p, s[0], s[1], s[2]);
-		lit = shown >= least ? light_left(lit, shown, 0, least, dark) : -1;
+		float as = counts_as(p, shown, s[0], s[1], s[2], least, dark);
+		lit = shown >= least ? light_left(lit, as, 0, least, dark) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
@@ -149,7 +161,8 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		rest[i] = max3(r, g, b);
 		float own_black = seen ? black * left[i] : black, own_dark = seen ? dark * left[i] : dark;
 		float own_bright = lightness(p, a[0][i], a[1][i], a[2][i]);
-		lit = light_left(lit, own_bright, mirrored, own_black, own_dark);
+		float as = counts_as(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
+		lit = light_left(lit, as, mirrored, own_black, own_dark);
 		light[i] = own_bright < own_black ? max(rest[i] - glazed[i], -1) : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)

@@ -256,9 +256,19 @@ def _dark(layers, levels, of, look):
         both = np.minimum(lit, 1) ** 2 * (1 - left ** 2) + left ** 2
         return np.where((left < 1) & (lit > 0), lit * left / np.sqrt(np.maximum(both, 1e-30)), lit)
 
+    def counted(color, black, dark):
+        """How light a colour counts as: deep reds less."""
+        bright, most = lightness(color), np.maximum(color[..., 1], color[..., 2])
+        red = clamp01((color[..., 0] - 2.6 * most) / np.maximum(most, 1e-37))
+        first = black + 0.25 * (dark - black)
+        span = dark - first
+        less = first + (bright - first) * span / np.maximum(span + of("tone_reds") * red * dark, 1e-37)
+        return np.where((of("tone_reds") > 0) & (span > 0) & (bright > first), less, bright)
+
     bright, black = lightness(layers.color), of("tone_black") * left
     mirrored = clamp01(lightness(other(layers))) * _glazed(layers)
-    lit = kept(lit, bright, black, of("tone_dark") * left, mirrored)
+    dark = of("tone_dark") * left
+    lit = kept(lit, counted(layers.color, black, dark), black, dark, mirrored)
     light = np.where(bright < black, np.maximum(rest - _glazed(layers), -1), np.maximum(lit, rest))
     sky = np.full(light.shape, np.inf)
     if of("tone_sky") > 0:
@@ -271,7 +281,8 @@ def _dark(layers, levels, of, look):
         seen = value(layers.seen_color)
         lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)
         shown = lightness(layers.seen_color)
-        lit = np.where(shown >= least, kept(lit, shown, least, of("tone_dark")), -1)
+        as_ = counted(layers.seen_color, least, of("tone_dark"))
+        lit = np.where(shown >= least, kept(lit, as_, least, of("tone_dark")), -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
         itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
         shows = ((value(layers.color) < 0.05)

@@ -53,6 +53,7 @@ def test_twin_of_dots_of_all_sizes(pitch, hardness):
 def look(rng, kinds):
     own = dict(tone_hardness=rng.choice([1, rng.random()]), tone_black=rng.choice([0, rng.random()]),
                tone_black_by=str(rng.choice(["VALUE", "LUMINANCE"])), tone_dark=rng.choice([0, rng.random()]),
+               tone_reds=rng.choice([0, 2 * rng.random()]),
                tone_local=rng.choice([0, rng.random()]), tone_darkness=rng.choice([0, rng.uniform(-0.5, 0.5)]))
     for n in range(1, 7):
         own |= {f"tone_{n}": str(rng.choice([*kinds, *["SAME"] * (n > 4)])),
@@ -235,6 +236,31 @@ def test_the_sky_in_a_dark_sea_does_not_cut_it():
             clear = mirrors and depth[0, 0] == 2
             assert (ink[3:6] == (gloss[3:6, :, 0] < 0.7 if clear else 1)).all()
             assert (ink[:3, 14:] == 0).all() and (ink[6:, 18:] == 0).all() and ink[6:, :8].all() != mirrors
+
+
+HAIR = {"auburn": (0.22, 0.065, 0.03), "dark auburn": (0.165, 0.037, 0.011), "chestnut": (0.3, 0.06, 0.036)}
+SKIN = {"light": (0.8, 0.55, 0.42), "tan": (0.45, 0.25, 0.15), "brown": (0.22, 0.11, 0.06), "olive": (0.2, 0.12, 0.06)}
+
+
+@pytest.mark.parametrize("preset", ["Manga", "Heavy blacks"])
+def test_red_brown_hair_is_dark_and_brown_skin_as_light_is_paper(preset):
+    """Any single number below which colours are dark that fills the one blackens the other. None gets black, and from
+    brown to red nothing jumps."""
+    values = presets.find(preset).values | dict(use_lines=False, length_unit="PIXELS", tone_detail=0.0, tone_least=0.0)
+
+    def ink(color, light=1.0, **of):
+        one = np.ones((60, 60, 3), np.float32)
+        layers = dict(color=one * np.float32(color), diffuse=light * one, depth=one[..., :1], normal=one,
+                      combined=np.concatenate([light * one * np.float32(color), one[..., :1]], 2))
+        return library.render(layers, values | of, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].mean()
+
+    for name, color in HAIR.items():
+        assert ink(color) > 0.3 or (preset, name) == ("Heavy blacks", "chestnut"), name
+        assert ink(color, tone_reds=0.0) < (0.1 if name != "dark auburn" else 1.1), name
+    assert not any(ink(color) for color in SKIN.values())
+    by_degrees = dict(tone_1="DOTS", tone_1_gradient=1.0, shade_levels=[(0.0,), (1.0, 1.0, 0.0)])
+    reds = [ink((0.22, green, 0.03), **by_degrees) for green in np.linspace(0.11, 0.02, 160)]
+    assert np.abs(np.diff(reds)).max() < 0.06 and ink(HAIR["dark auburn"], **by_degrees) < 1
 
 
 def test_a_dark_sea_is_as_light_as_the_sky_in_it():
