@@ -254,19 +254,25 @@ static uint8_t sureness(const work *w, const uint8_t *sure, size_t count)
 	return (uint8_t)(int)(min(2 * own * most_one(whole * mean), 255) + 0.5f);
 }
 
-/* How much of what is about light things that hang together is: round ones are eyes, which have an outline. */
+/* How much of what is about light things that hang together is: round ones are eyes, which have an outline. Beside a
+ * pupil, which is darker than what the eye lies on, it has no edge; the hole of a letter shows that, and is one. */
 static uint8_t strokes(const work *w, size_t count)
 {
-	size_t area = 0, edge = 0;
+	size_t area = 0, edges[2] = {0}, sum[2] = {0};
 	for (size_t k = 0; k < count; k++) {
 		spot to[4];
 		if (!details(w)[w->open[k]])
 			continue;
 		area++;
-		for (int n = beside(w, spot_of(w, w->open[k]), to) - 1; n >= 0; n--)
-			edge += !details(w)[to[n].i];
+		for (int n = beside(w, spot_of(w, w->open[k]), to) - 1; n >= 0; n--) {
+			bool inside = w->d->dark[to[n].i] != 0, is_edge = !details(w)[to[n].i];
+			edges[inside] += is_edge;
+			sum[inside] += is_edge ? w->d->value[to[n].i] : 0;
+		}
 	}
-	float length = (float)edge * (float)edge / (4 * (float)area);
+	float about = (float)sum[0] / max((float)edges[0], 1), within = (float)sum[1] / max((float)edges[1], 1);
+	float pupil = edges[0] ? clamp01((about - within - 2) * 0.25f) : 0;
+	float edge = (float)edges[0] + (1 - pupil) * (float)edges[1], length = edge * edge / (4 * (float)area);
 	return (uint8_t)(int)(255 * mix(outline, 1, clamp01((length - two_eyes) / (word - two_eyes))) + 0.5f);
 }
 

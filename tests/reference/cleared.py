@@ -108,16 +108,24 @@ def _most(share):
     return clamp01(4 * share - 3.5)
 
 
-def _words(details, sure, around, goes_on):
+def _words(details, sure, around, goes_on, value, within):
     """(How sure each detail is: twice the mean over its word of how surely pixels are, weighted by itself; and how
-    surely its word is strokes: by how many times they are as long as wide.)"""
+    surely its word is strokes: by how many times they are as long as wide; they have no edge beside what is within
+    and darker than what they lie on.)"""
     labels = _labels(tuple(link & around[to] & around[of] for link, to, of in zip(
         goes_on, (np.s_[:, 1:], np.s_[1:]), (np.s_[:, :-1], np.s_[:-1]), strict=True)))
     count, total, squares = (np.bincount(labels.flat, by.flat) for by in (
         details.astype(float), np.where(details, sure, 0), np.where(details, sure, 0) ** 2))
     own = 2 * squares / np.maximum(total, 1e-9) * np.minimum(1, WHOLE * total / np.maximum(255 * count, 1))
-    ends = sum(details & ~_shifted(details, v, u) for v, u in ((0, 1), (0, -1), (1, 0), (-1, 0)))
-    length = np.bincount(labels.flat, ends.flat) ** 2 / np.maximum(4 * count, 1)
+    edges, sums = np.zeros((2, count.size)), np.zeros((2, count.size))
+    for v, u in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+        for k, beside in enumerate((~_shifted(within, v, u), _shifted(within, v, u))):
+            ends = details & ~_shifted(details, v, u) & beside
+            edges[k] += np.bincount(labels.flat, ends.flat, count.size)
+            sums[k] += np.bincount(labels.flat, (ends * _shifted(value, v, u)).flat, count.size)
+    about, inner = sums / np.maximum(edges, 1)
+    pupil = np.where(edges[0] > 0, clamp01((about - inner - 2) / 4), 0)
+    length = (edges[0] + (1 - pupil) * edges[1]) ** 2 / np.maximum(4 * count, 1)
     strokes = ROUND + (1 - ROUND) * clamp01((length - TWO_EYES) / (WORD - TWO_EYES))
     strokes = np.floor(255 * strokes + 0.5) / 255
     return np.where(details, np.floor(np.minimum(own, 255) + 0.5)[labels], 0), strokes[labels]
@@ -188,7 +196,7 @@ def kept(layers, params):
     height, width = value.shape
     depth = np.where(layers.there, layers.depth, 1e30)
     goes_on, labels = _hang_together(layers, value)
-    found = []
+    found, within = [], _fine(value, wide, -1)[0] > 0
     for sign in (1, -1):
         fine, square = _fine(value, wide, sign)
         length = _lengths(value, fine, depth, wide, sign)
@@ -196,7 +204,8 @@ def kept(layers, params):
         _, share, _ = _survey(fine, labels)
         square = np.where(_level(share) + np.isnan(share) > 0, square, 0)
         whole, level = _whole(sign * value, fine, _level(share))
-        sure, strokes = _words(whole > 0, np.floor(sure * level + 0.5), _about(whole > 0, stroke, np.max), goes_on)
+        sure, strokes = _words(whole > 0, np.floor(sure * level + 0.5), _about(whole > 0, stroke, np.max), goes_on,
+                               value, within)
         found.append((np.where(sure > 0, whole, 0), sure / 255, square, strokes if sign > 0 else 1))
     (thin, light_sure, square, strokes), (dark, dark_sure, _, one) = found
 

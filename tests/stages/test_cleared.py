@@ -212,6 +212,18 @@ def test_plain_round_eyes_are_no_print_and_letters_as_large_are(kind):
     assert drawn[26:32, [74, 83, 87, 99]].all() and not drawn[26:32, 80].any()
 
 
+@pytest.mark.parametrize("pupil, ring", [(0.01, False), (0.036, True)])
+def test_an_eye_in_the_darkest_face_has_no_more_than_an_outline(pupil, ring):
+    """Its pupil, hardly darker than it, is no print; a letter whose hole is as dark as its board has all its ink."""
+    layers, (y, x) = shaded(60, 70, 0.2, 0.036), np.mgrid[:60, :70]
+    away = np.hypot(y - 30, x - 35)
+    layers["color"][away < 7] = 0.8
+    layers["color"][away < 4.2] = pupil
+    drawn = ink(layers, tone_1="HATCH", tone_detail=11.0, shade_levels=[(0.2,), (0.65, 0.25, 0.0)])
+    assert (drawn[(away > 11.5) & (away < 13.5)].mean() == 1) == ring and drawn[(away > 7.5) & (away < 9)].mean() > 0.9
+    assert not drawn[(away > 5) & (away < 6)].any()
+
+
 RAIL = dict(tone_1="HATCH", tone_black=0.05, shade_levels=[(0.4,), (0.65, 0.25, 0.0)], tone_detail=5.0)
 
 
