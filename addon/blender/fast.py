@@ -224,15 +224,16 @@ class Scene:
         def works(wanted, beyond=None):
             return self._works(view, projection, frame, size, clip, wanted, beyond)
 
-        def light(maps, looks):
+        def light(depth, looks):
             if self.light.dark:
                 return []
-            return [self.light.work(maps["depth"][..., None], maps["shading"], view, projection, frame, clip, sharp,
+            return [self.light.work(depth[..., None], maps["shading"], view, projection, frame, clip, sharp,
                                     shine=looks.get("shine"), specular=lit, turned=looks.get("turned"))]
 
         maps, first = works(wanted)
         yield []
-        _, looks, *diffuse = yield [*first, *([] if clear else light(maps, first[1].result()))]
+        later = clear or objects.thick.any()
+        _, looks, *diffuse = yield [*first, *([] if later else light(maps["depth"], first[1].result()))]
         open_ = objects.clear[maps["material"].astype(np.int32)] & (looks["surface"][..., 0] < _SHOWS)
         changed = open_.copy()
         if open_.any():
@@ -248,19 +249,34 @@ class Scene:
                     looks[name][..., (0, 1, 2, 4)] /= alpha
                 else:
                     np.divide(looks[name], alpha, out=looks[name])
-            diffuse = yield light(maps, looks)
+        if later:
+            depth = yield from self._lit_depth(maps, view, projection, frame, size, clip)
+            diffuse = yield light(depth, looks)
         return maps, looks, diffuse[0] if diffuse else None, changed
 
     def _works(self, view, projection, frame, size, clip, wanted, beyond):
         """(pictures that the rasteriser fills, the works that do and tell what materials look like)"""
         channels, (width, height) = self.channels, size
         into = {"creases": np.zeros((height, width, 5), np.float32)[..., :4]} if "creases" in wanted else {}
-        raster = library.load().raster_work(self.objects.meshes, view, projection, frame, size, *clip, channels,
+        meshes = [mesh if ribbons is None else ribbons.turned(mesh, view, projection)
+                  for mesh, ribbons in zip(self.objects.meshes, self.objects.ribbons, strict=True)]
+        raster = library.load().raster_work(meshes, view, projection, frame, size, *clip, channels,
                                             [*wanted, "attributes"] if channels else wanted, beyond, into)
         maps = raster.result()  # its arrays, which the others read
         return maps, [raster, library.load().material_work(
             self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame,
             self._looks)]
+
+    def _lit_depth(self, maps, view, projection, frame, size, clip):
+        """The steps to where light falls (height, width): on strands as they are to lamps, tubes."""
+        tubes = [mesh for mesh, ribbons in zip(self.objects.meshes, self.objects.ribbons, strict=True) if ribbons]
+        if not tubes:
+            return maps["depth"]
+        (round_,) = yield [library.load().raster_work(tubes, view, projection, frame, size, *clip, 0,
+                                                      ["depth", "object"])]
+        depth, number = maps["depth"], maps["object"]
+        near = np.abs(round_["depth"] - depth) < 1.5 * self.objects.thick[number.astype(np.intp)]
+        return np.where(near & (round_["object"] == number), round_["depth"], depth)
 
     def _behind(self, maps, looks, open_, works):
         """Changes the pictures where `open_`: to what lies behind, until it shows."""
@@ -302,8 +318,9 @@ class Scene:
                 yield from self._behind(theirs, look, open_, works)
             light = self._from_camera(theirs["shading"], behind)
             if not self.light.dark:
-                (light,) = yield [self.light.work(theirs["depth"][..., None], theirs["shading"], behind, projection,
-                                                  frame, clip, sharp, turned=look.get("turned"))]
+                depth = yield from self._lit_depth(theirs, behind, projection, frame, size, clip)
+                (light,) = yield [self.light.work(depth[..., None], theirs["shading"], behind, projection, frame, clip,
+                                                  sharp, turned=look.get("turned"))]
             if shown is None:
                 shown = np.zeros_like(layers["color"])
                 layers["seen_color"], layers["seen_depth"] = layers["color"].copy(), layers["depth"].copy()

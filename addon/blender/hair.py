@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hair, of particles and as curves -> triangles: along each strand a tube of three sides, which from wherever it is
-seen is nearly as wide as the round strand. Cycles turns a ribbon to each ray instead."""
+seen is nearly as wide as the round strand, for light; and ribbons, which turn to who looks, as Cycles' do."""
 
 import functools
 
 import numpy as np
 
 from ..pen.job import EDGES, edge_kinds
+from ..pen.ribbons import Ribbons
 from .attributes import get
 from .triangles import Triangles
 
 _SIDES = 3
 _WIDER = 2 * np.pi / (3 * np.sqrt(3))  # the tube's corners are farther out than the strand: on the mean it is as wide
 _RADIUS = 0.005                        # what Cycles takes for that of curves that tell none
-_FEWEST = 8                            # pieces that a strand of less has, by Catmull-Rom's curve as in Cycles
+_FEWEST = 8                            # pieces that a tube of less has, by Catmull-Rom's curve as in Cycles
+_PIECES = 5  # of a ribbon between two points of a strand, as Cycles has Embree cut it
+_MOST = 64   # of a strand, about: of more points each has fewer
 
 
 def of(instance, rendered):
@@ -103,8 +106,9 @@ def tubes(points, radius, first, count):
     first, count = first[kept], count[kept]
     if not len(count):
         return None
-    points, radius, first, count = _curved(points, radius, first, count)
-    along = _directions(points, first, count)
+    ribbons = _ribbons(points, radius, first, count)
+    pieces = max(1, round(_FEWEST / max(1, count.max() - 1)))
+    points, along, radius, first, count = _curved(points, radius, first, count, pieces)
     side = _sides(along, first, count)
     turns = 2 * np.pi * np.arange(_SIDES, dtype=np.float32) / _SIDES
     normals = (side[:, None] * np.cos(turns)[:, None] + np.cross(along, side)[:, None] * np.sin(turns)[:, None])
@@ -119,40 +123,42 @@ def tubes(points, radius, first, count):
         return None
     none = edge_kinds(np.full((1, 3), EDGES["none"])).repeat(len(corners))
     return Triangles(ring, corners, None, None, None, 1, np.empty((0, 2), np.int32), none, normals[corners], {}, {},
-                     None, None, None)
+                     None, None, None, ribbons)
 
 
-def _curved(points, radius, first, count):
-    """The same strands with more points, where they have few; all or none of them."""
-    pieces = round(_FEWEST / max(1, count.max() - 1))
+def _ribbons(points, radius, first, count):
+    pieces = max(1, min(_PIECES, _MOST // max(1, count.max() - 1)))
+    points, along, radius, first, count = _curved(points, radius, first, count, pieces)
+    begin = np.delete(np.arange(len(points)), first + count - 1)
+    begin = begin[(points[begin] != points[begin + 1]).any(1) & ((radius[begin] > 0) | (radius[begin + 1] > 0))]
+    return Ribbons(points.astype(np.float32), along.astype(np.float32), radius.astype(np.float32), begin)
+
+
+def _curved(points, radius, first, count, pieces):
+    """(points, unit vectors along them, radii, first, count) of the same strands with so many pieces between two
+    points."""
     place = np.concatenate([np.arange(f, f + c) for f, c in zip(first, count, strict=True)]) if (
         count.sum() < len(points)) else np.arange(len(points))
     values = np.concatenate([points, radius[:, None]], 1)[place]
     first = np.cumsum(count) - count
-    if pieces < 2:
-        return values[:, :3], values[:, 3], first, count
     strand = np.repeat(np.arange(len(count)), count)
     ends = first + count - 1
     begin = np.delete(np.arange(len(values)), ends)
     of = strand[begin]
     p0, p1, p2, p3 = (values[k][:, None] for k in (np.maximum(begin - 1, first[of]), begin, begin + 1,
                                                    np.minimum(begin + 2, ends[of])))
-    t = (np.arange(pieces, dtype=np.float32) / pieces)[:, None]
-    curve = p1 + t / 2 * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)))
+    bends, twists = 2 * p0 - 5 * p1 + 4 * p2 - p3, 3 * (p1 - p2) + p3 - p0
+    t = (np.arange(pieces + 1, dtype=np.float32) / pieces)[:, None]
+    curve = p1 + t / 2 * (p2 - p0 + t * (bends + t * twists))
+    along = (p2 - p0 + t * (2 * bends + 3 * t * twists))[..., :3]
+    along = np.where(along.any(2, keepdims=True), along, (p2 - p1)[..., :3])
     finer = (count - 1) * pieces + 1
     starts = np.cumsum(finer) - finer
-    out = np.empty((finer.sum(), 4), np.float32)
-    out[(starts[of] + (begin - first[of]) * pieces)[:, None] + np.arange(pieces)] = curve
-    out[starts + finer - 1] = values[ends]
-    return out[:, :3], np.maximum(out[:, 3], 0), starts, finer
-
-
-def _directions(points, first, count):
-    """Unit vectors (n, 3) along the strands."""
-    before, after = np.arange(len(points)) - 1, np.arange(len(points)) + 1
-    before[first] += 1
-    after[first + count - 1] -= 1
-    return _unit(points[after] - points[before])
+    out = np.empty((finer.sum(), 7), np.float32)
+    # The last piece's end is overwritten by the next one's beginning, but for a strand's last.
+    for k in (pieces, *range(pieces)):
+        out[starts[of] + (begin - first[of]) * pieces + k] = np.concatenate([curve[:, k], along[:, k]], 1)
+    return out[:, :3], _unit(out[:, 4:]), np.maximum(out[:, 3], 0), starts, finer
 
 
 def _sides(along, first, count):

@@ -33,6 +33,8 @@ class Objects:
     things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place,
                        # and the turn and scale of its matrix, row by row
     shown: list        # by the meshes: attributes (t, 3, channels) that programs of materials read, or None
+    ribbons: list      # likewise: the Ribbons that the camera sees of strands, or None
+    thick: np.ndarray  # how thick they are in the world, at most; 0: they are no strands
 
     def solid(self):
         """The meshes without the triangles that may let light through; None if there are none of these."""
@@ -97,7 +99,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     read attributes, after the controls; with them there is hair. `anchored`: whether to tell where surfaces rest;
     `unwrapped`: which way their UV maps lie.
     """
-    meshes, shown, owners, numbers, things = [], [], [0], [0], [(0,) * 18]
+    meshes, shown, ribbons, owners, numbers, things = [], [], [], [0], [0], [(0,) * 18]
     catchers, holdouts = [False], [False]
     running, materials = {}, _Materials(depsgraph.scene_eval)
     smooth, kept = bool(light) or kept is not None, kept or Kept()
@@ -109,8 +111,8 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     for instance in depsgraph.object_instances:
         obj = instance.object
         meshable = obj.type in MESHABLE and instance.show_self
-        strands = hair.of(instance, depsgraph.mode == "RENDER") if looks else ()
-        if not meshable and not strands:
+        grown = hair.of(instance, depsgraph.mode == "RENDER") if looks else ()
+        if not meshable and not grown:
             continue
         top = instance.parent if instance.is_instance else obj
         if visible and not visible(top.original):
@@ -128,6 +130,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
             if lines is not None:
                 meshes.append(Mesh(*lines, kind="lines", model=np.array(instance.matrix_world, np.float64)))
                 shown.append(None)
+                ribbons.append(None)
                 continue
         made = []
         if meshable:
@@ -135,7 +138,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
                    unwrapped)
             made.append((key, kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored,
                                                                      unwrapped))))
-        made += [(key, kept.get(key, names | set(map(block_name, blocks)), make)) for key, blocks, make in strands]
+        made += [(key, kept.get(key, names | set(map(block_name, blocks)), make)) for key, blocks, make in grown]
         made = [(key, triangles) for key, triangles in made if triangles is not None]
         if light:
             for _, triangles in made:
@@ -155,16 +158,25 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
                                _copy_seed(instance, obj))
             meshes.append(mesh)
             shown.append(read)
+            ribbons.append(triangles.ribbons)
             if len(triangles.marked):
                 meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
                                    model=np.array(instance.matrix_world, np.float64)))
                 shown.append(None)
+                ribbons.append(None)
     kept.tidy()
+    thick = [0] * len(owners)
+    for mesh, strands in zip(meshes, ribbons, strict=True):
+        if strands:  # behind all others, so that hair changes no number of theirs
+            for known in owners, numbers, catchers, holdouts, *([things] if looks else []):
+                known.append(known[mesh.object_index])
+            mesh.object_index = len(thick)
+            thick.append(2 * strands.radius.max() * np.linalg.norm(mesh.model[:3, :3], axis=0).max())
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers), np.array(holdouts),
                    *(np.array([known[k] for known in materials.known.values()]) for k in (3, 4)),
                    list(materials.known),
-                   np.array(things, np.float32), shown)
+                   np.array(things, np.float32), shown, ribbons, np.array(thick, np.float32))
 
 
 def _read_by(obj, looks):

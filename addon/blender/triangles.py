@@ -11,6 +11,7 @@ import numpy as np
 from ..pen import colour, library, unwrap
 from ..pen.errors import EncreError
 from ..pen.job import EDGES, edge_kinds
+from ..pen.ribbons import Ribbons
 from . import attributes, versions
 from .attributes import get
 
@@ -33,6 +34,7 @@ class Triangles:
     rest: np.ndarray | None      # (triangles, 3, 3) rest positions at the corners; None: the points, or nobody asks
     rest_normals: np.ndarray | None  # likewise; None: flat
     uv: np.ndarray | None        # (triangles, 3, 2) at the corners, of the map that renders use; None: nobody asks
+    ribbons: Ribbons | None = None  # of strands: what the camera sees instead
     shown: dict = field(default_factory=dict)  # what attributes.by_slot() made of them, by the layouts
 
     @functools.cached_property
