@@ -6,6 +6,7 @@ import json
 import os
 import secrets
 import shutil
+import signal
 import subprocess
 import sys
 import threading
@@ -70,8 +71,9 @@ def run(blender, case, folder, environment=None):
     return read(done, folder)
 
 
-def window(script, name, folder, size, *options, limit=400, cwd=None, **environment):
-    """A Shot of a script that drives a window of `blender` by inside/window.py; skips where there is no window.
+def window(script, name, folder, size, *options, limit=1600, cwd=None, **environment):
+    """A Shot of a script that drives a window of `blender` by inside/window.py, which ends by itself on all but the
+    busiest machines; skips where there is no window.
 
     Blender may refuse for good that Python writes (see there): then it is begun anew.
     """
@@ -81,11 +83,23 @@ def window(script, name, folder, size, *options, limit=400, cwd=None, **environm
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", "blender", "--factory-startup", *options,
                "-p", "0", "0", width, height, "-P", str(script), "--", name, str(folder)]
     for _ in range(3):
-        done = subprocess.run(command, capture_output=True, text=True, timeout=limit, errors="replace", cwd=cwd,
-                              env={**os.environ, **environment})
+        done = _ended(command, limit, cwd=cwd, env={**os.environ, **environment})
         if done.returncode != REFUSED:
             break
     return read(done, folder)
+
+
+def _ended(command, limit, **options):
+    """As subprocess.run() does it. What takes too long ends with all that it has begun: by itself xvfb-run leaves a
+    screen behind, and on it a Blender that takes other tests' time."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
+                          start_new_session=True, **options) as child:
+        try:
+            said = child.communicate(timeout=limit)
+        except BaseException:
+            os.killpg(child.pid, signal.SIGKILL)
+            raise
+        return subprocess.CompletedProcess(command, child.returncode, *said)
 
 
 def read(done, folder):
