@@ -14,7 +14,7 @@ WINDOW = Path(__file__).parent / "inside" / "view_window.py"
 
 def look(folder, **environment):
     return blenders.window(WINDOW, "view", folder, (800, 600), "--enable-event-simulate",
-                           limit=400 * (10 if environment else 1), **environment)
+                           limit=1600 * (10 if environment else 1), **environment)
 
 
 @pytest.fixture(scope="module")

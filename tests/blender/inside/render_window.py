@@ -7,12 +7,15 @@ Needs --enable-event-simulate.
 import _thread
 import os
 import sys
+import time
 
 import bpy
 
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
 import studio  # noqa: E402
 import window  # noqa: E402
+
+_LONG = 4  # seconds that a picture takes of which it is seen how it grows
 
 
 def build():
@@ -112,6 +115,16 @@ def seen_growing(drawn, shown, least=0):
     bpy.app.handlers.render_complete.pop()
 
 
+def long_enough():
+    """Samples that a machine of many cores, too, is not done with before the picture is drawn three times."""
+    while True:
+        begun = time.monotonic()
+        yield from rendering()
+        if time.monotonic() > begun + _LONG:
+            return
+        bpy.context.scene.cycles.samples *= 2
+
+
 def growing():
     """The picture as it grows, inked and not, and when it is done; Cycles draws it while it renders."""
     import cycles.engine
@@ -126,6 +139,7 @@ def growing():
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 200
     scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
     scene.view_settings.view_transform = "Standard"  # from 4.0 on that of a new file makes green pale
+    yield from long_enough()
     for name in ("early", "late", "shaded", *(["cleaned"] if "ENCRE_OIDN" in os.environ else [])):
         scene.encre.ink_early = name != "late"
         if name == "shaded":

@@ -105,18 +105,21 @@ def orbit():
     yield from rest()
     known, begin = reads(), time.perf_counter()
 
-    def turns():
-        for _ in range(12):
+    def turns(enough):
+        """For a while, and on a busy machine until there are enough pictures."""
+        for k in range(600):
+            if k >= 12 and enough():
+                return
             turn = region.view_rotation.copy()
             turn.rotate(type(turn)((0, 0, 1), radians(6)))
             region.view_rotation = turn
             yield
 
-    yield from turns()
+    yield from turns(lambda: sum(at > begin for at, _ in uploaded) > 2)
     studio.fact("orbit", [sum(at > begin for at, _ in uploaded), reads() == known])
     yield from rest()
     budget, live._BUDGET, begin = live._BUDGET, 1e-5, time.perf_counter()  # as where a picture takes too long
-    yield from turns()
+    yield from turns(lambda: uploaded[-1][0] > begin)
     heights = {picture.shape[0] for at, picture in uploaded if at > begin}
     yield from rest()
     studio.fact("smaller", [sorted(heights), uploaded[-1][1].shape[0]])
@@ -422,10 +425,11 @@ def together():
         write((scene.encre, "line_thickness", thickness + 1), (space().region_3d, "view_rotation", turn))
         with bpy.context.temp_override(window=window.window()):
             bpy.ops.render.render("INVOKE_DEFAULT")
-        beside = 0
+        beside, before = 0, uploads[0]
         while bpy.app.is_job_running("RENDER"):
             beside += any(view.picture for view in views())
             yield
+        beside += uploads[0] - before  # on a machine of many cores a picture may be done between two looks
         write((scene.encre, "line_thickness", thickness))
         yield from rest(2 if name == "together" else 1)
         bpy.data.images["Render Result"].save_render(os.path.join(window.FOLDER, f"{name}.png"))

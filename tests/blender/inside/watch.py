@@ -44,11 +44,11 @@ def state(view):
 
 
 def rest(count=1):
-    """Until so many views, or more, show all that there is to show: a new one is there by and by."""
-    end = time.perf_counter() + 90
+    """Until so many views, or more, show all that there is to show: a new one is there by and by. By steps of the
+    window, which come later where the machine is busy, as pictures do."""
     yield
     yield
-    while time.perf_counter() < end:
+    for _ in range(900):
         if len(views()) >= count and all(state(view)[0] or view.failure for view in views()):
             return
         yield
