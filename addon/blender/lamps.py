@@ -103,9 +103,9 @@ class Light:
         self.bends.append(Bend(model, obj.encre.bend_light, obj.encre.bend_fade))
         self.said.append((model.tobytes(), obj.encre.bend_light, obj.encre.bend_fade))
 
-    def place(self, obj, triangles, matrix, seen):
-        """An instance of triangles.Triangles."""
-        solid, kept = self._solid(obj), self.kept
+    def place(self, obj, blocks, triangles, matrix, seen):
+        """An instance of triangles.Triangles. blocks: the materials of its slots."""
+        solid, kept = self._solid(blocks), self.kept
         key = triangles.shape, solid
         self.used.add(key)
         if key not in kept.geometry:
@@ -122,19 +122,19 @@ class Light:
         self.placed += 1
         kept.placed = max(kept.placed, self.placed)
 
-    def _solid(self, obj):
+    def _solid(self, blocks):
         """How solid each slot's surfaces are: a Cutout, or whether they are."""
         return tuple(found if isinstance(found, cutouts.Cutout) else found >= 0.5
-                     for found in (self._cutout(slot.material) for slot in obj.material_slots)) or (True,)
+                     for found in map(self._cutout, blocks))
 
     def _cutout(self, material):
         if material not in self.materials:
             self.materials[material] = cutouts.of(material)
         return self.materials[material]
 
-    def maps(self, obj):
-        """The names of the UV maps that place() reads of the triangles of an object."""
-        return tuple(sorted({solid.uv_map for solid in self._solid(obj) if isinstance(solid, cutouts.Cutout)}))
+    def maps(self, blocks):
+        """The names of the UV maps that place() reads of the triangles of an object with these materials."""
+        return tuple(sorted({solid.uv_map for solid in self._solid(blocks) if isinstance(solid, cutouts.Cutout)}))
 
     def _geometry(self, number, triangles, solid):
         corners, normals, uvs, textures = triangles.corners, triangles.normals, None, None

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..pen.job import Mesh
-from . import attributes, hair, mirrors, properties, trees
+from . import attributes, filters, hair, mirrors, properties, trees
 from .patterns import hashed
 from .triangles import MESHABLE, read_lines, read_triangles
 
@@ -102,6 +102,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     meshes, shown, ribbons, owners, numbers, things = [], [], [], [0], [0], [(0,) * 18]
     catchers, holdouts = [False], [False]
     running, materials = {}, _Materials(depsgraph.scene_eval)
+    override = filters.override(depsgraph)
     smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
     for block in depsgraph.ids:
@@ -122,8 +123,9 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
             continue
         # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
         own = None if obj.type == "MESH" else obj.original.as_pointer()
-        maps = light.maps(obj) if light else ()
-        read = _read_by(obj, looks) if seen else frozenset()
+        blocks = filters.materials(obj, override)
+        maps = light.maps(blocks) if light else ()
+        read = _read_by(blocks, looks) if seen else frozenset()
         names = {block_name(block) for block in (obj, top, obj.data)}
         if obj.encre.mark and seen and meshable:
             lines = kept.get(("lines", obj.data.as_pointer(), own), names, functools.partial(read_lines, obj))
@@ -138,11 +140,11 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
                    unwrapped)
             made.append((key, kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored,
                                                                      unwrapped))))
-        made += [(key, kept.get(key, names | set(map(block_name, blocks)), make)) for key, blocks, make in grown]
+        made += [(key, kept.get(key, names | set(map(block_name, those)), make)) for key, those, make in grown]
         made = [(key, triangles) for key, triangles in made if triangles is not None]
         if light:
             for _, triangles in made:
-                light.place(obj, triangles, instance.matrix_world, seen)
+                light.place(obj, blocks, triangles, instance.matrix_world, seen)
         if not seen or not made:
             continue
         number = len(owners)
@@ -154,7 +156,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
         for _, triangles in made:  # hair has the number of what it grows on, as in Cycles
-            mesh, read = _mesh(triangles, obj, materials, instance.matrix_world, number, looks,
+            mesh, read = _mesh(triangles, obj, blocks, materials, instance.matrix_world, number, looks,
                                _copy_seed(instance, obj))
             meshes.append(mesh)
             shown.append(read)
@@ -179,11 +181,11 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
                    np.array(things, np.float32), shown, ribbons, np.array(thick, np.float32))
 
 
-def _read_by(obj, looks):
-    """What the materials of an object read of its mesh."""
+def _read_by(blocks, looks):
+    """What materials read of a mesh."""
     if not looks:
         return frozenset()
-    return frozenset(source for name in _slots(obj) for source in looks.sources[name])
+    return frozenset(source for name in _names(blocks) for source in looks.sources[name])
 
 
 def _thing(instance, obj):
@@ -261,14 +263,13 @@ def _lets_through(material):
     return False
 
 
-def _slots(obj):
-    """Full names of the materials of an object's slots."""
-    return [slot.material and slot.material.name_full for slot in obj.material_slots] or [None]
+def _names(blocks):
+    return [block and block.name_full for block in blocks]
 
 
-def _mesh(triangles, obj, materials, matrix, number, looks, seed):
-    """(the Mesh, its attributes for the programs of its materials)."""
-    slots = [materials(slot.material) for slot in obj.material_slots] or [materials(None)]
+def _mesh(triangles, obj, blocks, materials, matrix, number, looks, seed):
+    """(the Mesh, its attributes for the programs of its materials). blocks: the materials of its slots."""
+    slots = [materials(block) for block in blocks]
     own_style = properties.style_number(obj, materials.scene)
     controls = np.array([slot[2] for slot in slots]) + np.array(properties.controls(obj), np.float32)
     mesh = Mesh(triangles.points, triangles.corners, object_index=number,
@@ -289,7 +290,7 @@ def _mesh(triangles, obj, materials, matrix, number, looks, seed):
     else:
         mesh.attributes = triangles.painted
     if looks:
-        layouts = [tuple(looks.sources[name]) for name in _slots(obj)]
+        layouts = [tuple(looks.sources[name]) for name in _names(blocks)]
         shown = triangles.shown.get(layouts := tuple(layouts))
         if shown is None and any(layouts) and triangles.sources:
             shown = triangles.shown[layouts] = attributes.by_slot(triangles.sources, slot, layouts)

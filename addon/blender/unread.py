@@ -6,6 +6,8 @@ To walk over what a scene holds, only to find it as it was, takes longer than to
 
 import bpy
 
+from . import filters
+
 
 def settings_alone(depsgraph):
     """Whether the last evaluation has changed nothing but properties that add-ons gave the scene, of which ours are
@@ -23,5 +25,6 @@ def beside(context, depsgraph, settings, camera):
     return (settings.every[0]["object_index"], settings.rastered, settings.shadows_world,
             [style.name for style in scene.encre.styles],
             scene.world and scene.world.name_full, scene.render.film_transparent, camera and camera.name_full,
+            filters.told(depsgraph),
             [(obj.visible_get(view_layer=layer, viewport=space), obj.indirect_only_get(view_layer=layer))
              for obj in layer.objects])

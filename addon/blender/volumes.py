@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..pen.around import Window
+from . import filters
 from .triangles import MESHABLE
 
 
@@ -11,16 +12,18 @@ def corners(depsgraph):
     """The corners of the boxes about what has a volume, (n, 8, 3) in the world; infinite where the world has one."""
     if _scatters(depsgraph.scene_eval.world):
         return np.full((1, 8, 3), np.inf)
+    override = filters.override(depsgraph)
     found = [(np.array(instance.matrix_world), np.array(instance.object.bound_box))
-             for instance in depsgraph.object_instances if instance.show_self and _fills(instance.object)]
+             for instance in depsgraph.object_instances if instance.show_self
+             and _fills(instance.object, override)]
     return np.array([box @ matrix[:3, :3].T + matrix[:3, 3] for matrix, box in found]).reshape(-1, 8, 3)
 
 
-def _fills(obj):
+def _fills(obj, override):
     """Whether an evaluated object fills space. Blender 3.4 crashes when it is asked for the slots of an empty."""
     if obj.type not in MESHABLE:
         return obj.type == "VOLUME"
-    return any(_scatters(slot.material) for slot in obj.material_slots)
+    return any(map(_scatters, filters.materials(obj, override)))
 
 
 def _scatters(block):

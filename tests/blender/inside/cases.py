@@ -21,6 +21,7 @@ import cycles_light  # noqa: E402
 import details  # noqa: E402
 import distances  # noqa: E402
 import failures  # noqa: E402
+import filters  # noqa: E402
 import geometry  # noqa: E402
 import keeping  # noqa: E402
 import kinds  # noqa: E402
@@ -37,7 +38,7 @@ import unusual  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
                                   keeping, surfaces, lit, painting, patterns, quick, anchors, distances, slotted,
-                                  staged, bumps, unusual, kinds)
+                                  staged, bumps, unusual, kinds, filters)
          for name, case in vars(topic).items()}
 
 

@@ -96,8 +96,11 @@ def beside():
     yield from changed("moved", (encre, "line_thickness", 21), (bpy.data.objects["Cube"], "location", (-1, 0, 0)))
     yield from changed("indirect only", (encre, "line_thickness", 20), (balls, "indirect_only", True))
     yield from changed("direct", (encre, "line_thickness", 21), (balls, "indirect_only", False))
+    clay, layer = studio.material("Clay", (0.7, 0.5, 0.3)), bpy.context.view_layer
     yield from changed("excluded", (encre, "line_thickness", 20), (balls, "exclude", True))
     balls.exclude = False
+    yield from changed("override", (encre, "line_thickness", 21), (layer, "material_override", clay))
+    layer.material_override = None
     yield from changed("hidden alone", (hide, "Ball", True))
 
 
