@@ -295,13 +295,16 @@ def controls():
 
     # A bold pencil near the viewer, a fine one far away, for small things, and for the face.
     paint("thickness", ["Crate", "Barrel", "Hoop"], lambda co: 0.06 * ramp(distance(co), 5, 3))
-    paint("thickness", ["Far", "Lit", "Dark", "Kerb"], lambda co: -0.45 * ramp(distance(co), 6, 18))
+    paint("thickness", ["Far", "Lit", "Dark"], lambda co: -0.45 * ramp(distance(co), 6, 18))
     paint("thickness", ["Sign", "Window", "Wire", "Collar", "Hair", "Lock", "Face", "Puddle", "Bare",
                         "Bottle", "Lamp bar", "Placket", "Pocket", "Cat"], -0.3)
     paint("thickness", ["Eye", "Brow", "Mouth", "Nose", "Hand", "Thumb", "Crook", "Rib", "Stretcher", "Button",
                         "Cat eye", "Letters"], -0.55)
-    # The glare of the lamp eats the lines of the kerb beside it.
-    paint("intensity", ["Kerb"], lambda co: -1.2 * ramp((co - LAMP).length, 1.5, 0.8))
+    # The glare of the lamp eats at the lines of the kerb beside it, and leaves enough for what stands there to have a
+    # foot.
+    paint("intensity", ["Kerb"], lambda co: -0.2 * ramp((co - LAMP).length, 1.5, 0.8))
+    paint("thickness", ["Kerb"], lambda co: min(-0.6 * ramp((co - LAMP).length, 1.5, 0.8),
+                                                -0.45 * ramp(distance(co), 6, 18)))
     # What is wet runs a little over its outline.
     paint("smudge_range", ["Canopy", "Coat", "Sou'wester"], lambda co: 0.9 * ramp(co.z, 0.3, 0.6))
     paint("smudge_falloff", ["Canopy", "Coat", "Sou'wester"], 0.4)
