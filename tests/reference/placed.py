@@ -192,7 +192,7 @@ def thin(view, found):
     known = [np.where(layers.marks < 0, -lines.place_of(layers.marks), layers.marks.clip(max=1))[..., axis]
              for axis in (ROW, COLUMN)]
     steps = [lines.steps_of(layers.marks[..., axis]) * view.meshes for axis in (ROW, COLUMN)]
-    things = Things(layers, crack_masks(view, found), known, steps)
+    things = Things(layers, crack_masks(view, found), known, steps, view.meshes)
     for (_, row, column, axis), site in on(found).items():
         placed = things.place(axis, column, row, site.y - row if axis else site.x - column)
         if placed:

@@ -67,10 +67,11 @@ class Thing:
 
 
 class Things:
-    """Slices of one picture; cracks: (2, H, W), to the right and down; known, steps: likewise, of contours."""
+    """Slices of one picture; cracks: (2, H, W), to the right and down; known, steps: likewise, of contours; meshes:
+    whether the layer of creases is asked."""
 
-    def __init__(self, layers, cracks, known, steps):
-        self.layers, self.cracks, self.known, self.steps = layers, cracks, known, steps
+    def __init__(self, layers, cracks, known, steps, meshes):
+        self.layers, self.cracks, self.known, self.steps, self.meshes = layers, cracks, known, steps, meshes
         self.value = np.concatenate([clamp01(layers.albedo), layers.normal / 2], -1)
         z = layers.depth
         self.near = -np.minimum(z, 1e9) if layers.orthographic else 1 / z
@@ -251,6 +252,12 @@ class Things:
         inside = s is not None and s.hits == 0 and abs(s.middle - at) < 0.5 + TIE and s.area <= 2.05 * s.peak
         return s if inside else None
 
+    def is_face(self, axis, x, y):
+        """Whether a mesh tells of an edge there: what stands out in the averages is a narrow face, and no wire."""
+        across, at = (x, y) if axis else (y, x)
+        edges = self._line(self.layers.creases[..., 2 * axis], axis, across)[:-1]
+        return bool(self.meshes and self.layers.marked and (edges[max(0, at - 1):at + 2] > 0).any())
+
     def pieces(self):
         """(x, y, axis, place along the axis, half, what it parts: 1 objects, 2 depths, whether rounding decides) of
         things between centres."""
@@ -272,6 +279,8 @@ class Things:
                 ways = [axis, 1 - axis] if both and (row.told or column.told) else [axis]
                 for axis in ways:
                     own = column if axis else row
+                    if not own.told and self.is_face(axis, x, y):
+                        continue
                     thing = self.along(axis, x if axis else y, own)
                     unsure |= thing.unsure
                     told = sum(s.told for s in thing.slices)

@@ -190,11 +190,18 @@ static void hits_about(const fine *n, int y, uint8_t *restrict hits)
 	}
 }
 
+/* Whether what stands out there in the averages alone is a narrow face, as the top of a board is, and no wire: meshes
+ * tell of an edge there, and of wires that pass between two centres. */
+static bool is_face(const fine *n, const found *at, const slice *own)
+{
+	return !own->told && n->f->layer[ENCRE_LAYER_MARKS].data && ISA(crease_between)(n, at);
+}
+
 bool ISA(thin_site)(const fine *n, const found *at, placed *s)
 {
 	int x = at->column, y = at->row, hits = hits_near(n, x, y);
 	slice own;
-	if (!hits || !ISA(slice_between)(n, at->axis, x, y, &own))
+	if (!hits || !ISA(slice_between)(n, at->axis, x, y, &own) || is_face(n, at, &own))
 		return false;
 	run r = follow(n, at->axis, at->axis ? x : y, &own);
 	if ((r.hits == 0 && r.held < 2 && r.told < REACH) || r.steps < (int)shortest)
