@@ -190,7 +190,7 @@ static const pass passes[] = {
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
 	{"drop rungs", gives_way, ISA(fine_drop_rungs), LAYERS | FOUND | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"slender", NULL, ISA(fine_slender), LAYERS | CRACKS | FOUND | PLACED | KEPT | LINKS, KEPT, BROKEN(crowd)},
-	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, NULL},
+	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT | PLACED, NULL},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
 	{"even eased", knows_contours, ISA(fine_even_eased), LAYERS | FOUND | PLACED | KEPT | LINKS, PLACED, NULL},

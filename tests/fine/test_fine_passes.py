@@ -195,9 +195,12 @@ def drop(check):
     joined, beside, last = (check.tables(name)[0] for name in ("slender", "drop beside", "cut spurs"))
     view = check.c.view
     marks = view.layers.marks if view.meshes and "marks" in view.given else None
-    gone, unsure = chains.beside(joined, check.shape, marks)
+    gone, unsure, share = chains.beside(joined, check.shape, marks)
     check.count["rounds"] += int((joined.family[list(gone)] == NUMBER["crack"]).sum())
     check.alike("beside", gone, dropped(joined, beside), unsure)
+    left = [i for i in np.flatnonzero(~beside.dropped) if i not in unsure]
+    check.count["wiggles"] += int((share[left] < 1).sum())
+    assert beside.site["eased"][left] == pytest.approx((255 - share * (255 - joined.site["eased"]))[left], abs=0.51)
     gone, unsure = chains.spurs(beside, check.shape)
     check.alike("spurs", gone, dropped(beside, last), unsure)
     params, style = check.c.view.params, check.c.view.layers.style

@@ -62,12 +62,13 @@ def _rounds(t, runs, marks):
 
 def beside(t, shape, marks):
     """Which sites are dropped with their chain, because it runs along another, wiggles, is a speck of light or in a
-    mirror, or goes round pixels that no mesh has; marks: of a frame with meshes, or None; unsure.
+    mirror, or goes round pixels that no mesh has; marks: of a frame with meshes, or None; unsure; and which share of
+    the width is left of all: less than 1 of edges of meshes that wiggle.
     """
     runs = chains(t)
     chain_of = {i: k for k, run in enumerate(runs) for i in run if len(t.links[i]) <= 2}
     gone, unsure = (set(), set()) if marks is None else _rounds(t, runs, marks)
-    doubt = [0.0]
+    doubt, share = [0.0], np.ones(len(t))
 
     def along(i):
         way = _way(t, i)
@@ -108,8 +109,11 @@ def beside(t, shape, marks):
             whole = max(length, 1e-9)
             members = [i for i in run if len(t.links[i]) <= 2]
             edge = bool(members) and (t.family[members] == NUMBER["crease"]).all()
+            turns = _turns(t, run)
             margins = [-1 if rank == LIGHT or edge or not loose else of_all / whole - 0.5,
-                       _turns(t, run) - (0.3 if rank == LIGHT else 0.12)]
+                       turns - (0.3 if rank == LIGHT or edge else 0.12)]
+            if edge:
+                share[members] = min(1, max(0, (0.3 - turns) / 0.18))
             if rank >= LIGHT and (loose == 2 or closed):
                 least = 6 if rank == LIGHT else 9
                 margins.append((least - length) / least)
@@ -117,7 +121,7 @@ def beside(t, shape, marks):
                 unsure |= set(run)
             if max(margins) > 0:
                 gone |= set(members)
-    return gone, unsure
+    return gone, unsure, share
 
 
 def spurs(t, shape):

@@ -15,6 +15,9 @@ static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes
 /* A line that turns to and fro more is a scribble round what pixels can't show. Light ends at the borders of faces, and
  * what is filled there with it, however often these turn: only noise turns more; test_fine_passes */
 static const float most_wiggle = 0.12f, most_wiggle_light = 0.3f;
+/* Meshes place their edges exactly, and what is left of those of a small thing is a corner or two: it thins out from
+ * most_wiggle on, and is gone here; test_fine_passes */
+static const float gone_wiggle_edge = 0.3f;
 /* pixels: shorter lines of light, and of what mirrors and glass show, that meet nothing are noise; test_fine_passes */
 static const float least_light = 6, least_seen = 9;
 /* pixels: shorter ways round what the rasteriser does not confirm are noise in numbers and depths; test_fine_passes */
@@ -205,18 +208,32 @@ static float length_beside(const beside *b, const chain *c)
 	return length;
 }
 
+/* How much of its width a chain keeps that turns to and fro. */
+static float left_of_wiggle(const chain *c)
+{
+	float most = c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle;
+	if (c->rank == RANK_SHAPE || !(c->wiggle > most))
+		return 1;
+	return c->edge ? max(0, (gone_wiggle_edge - c->wiggle) / (gone_wiggle_edge - most)) : 0;
+}
+
 static void choose(beside *b, const chain *c)
 {
 	const fine *n = b->n;
+	float left = left_of_wiggle(c);
 	/* light and edges of meshes thin out beside what is older (rooms.c) */
 	bool drop = c->rank != RANK_LIGHT && !c->edge && c->loose && length_beside(b, c) > most_beside * c->length;
-	drop |= c->rank > RANK_SHAPE && c->wiggle > (c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle);
+	drop |= !(left > 0);
 	float least = c->rank == RANK_LIGHT ? least_light : c->rank == RANK_SEEN ? least_seen : 0;
 	drop |= c->length < least && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next, b->steps++) {
+		placed *s = &n->site[at].placed;
 		next = following(n, c, from, at);
-		if (drop && links_at(n, at) <= 2)
-			n->site[at].linked.dropped = true;
+		if (links_at(n, at) > 2)
+			continue;
+		n->site[at].linked.dropped |= drop;
+		if (left < 1 && (from == UINT32_MAX || at != c->first)) /* what is closed comes back to it */
+			s->eased = (uint8_t)(255 - left * (float)(255 - s->eased) + 0.5f);
 	}
 }
 
