@@ -177,7 +177,7 @@ static const pass passes[] = {
 	{"bound", NULL, ISA(fine_bound), MARKS, BOUND, NULL},
 	{"gather", NULL, ISA(fine_gather), MARKS | BOUND, FOUND | PLACED, BROKEN(sites)},
 	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
-	{"claim", NULL, ISA(fine_claim), FOUND | PLACED | CELLS, KEPT, BROKEN(claims)},
+	{"claim", NULL, ISA(fine_claim), FOUND | PLACED | CELLS, KEPT | PLACED, BROKEN(claims)},
 	{"link", NULL, ISA(fine_link), CRACKS | FOUND | PLACED | CELLS | KEPT, LINKS | KEPT, BROKEN(links)},
 	{"tie", NULL, ISA(fine_tie), FOUND | PLACED | CELLS | KEPT | LINKS, LINKS | PLACED, BROKEN(links)},
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},

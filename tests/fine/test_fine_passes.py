@@ -11,7 +11,8 @@ from reference import chains, ends, forms, ridged, rooms, slender
 from reference import passes as twin
 from reference.passes import NUMBER, Table
 
-LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, links=6000, ties=40, eyes=40, smooth=4000, crowded=1300,
+LEAST = dict(owned=6000, weak=300, held=120, crumbs=1000, few=20, links=6000, ties=40, eyes=40, smooth=4000,
+             crowded=1300,
              parted=30, folds=30, rungs=30, slender=300, tapers=50, led=1000, corners=100, beside=150, rounds=30,
              spurs=80,
              short=20, closed=6, evened=30, eased=350, thinned=80)  # found over all cases
@@ -56,7 +57,13 @@ def claim(check):
         t.dropped[list(gone)] = True
         weak, held = twin.weak(t, family)
         t.dropped[list(weak)] = True
-        crumbs = twin.crumbs(t, family) - twin.through(t, check.c.view.layers.creases)
+        through = twin.through(t, check.c.view.layers.creases)
+        crumbs = twin.crumbs(t, family) - through
+        if family == NUMBER["crease"]:
+            share, left = twin.thinned(t), [i for i in np.flatnonzero(own & ~after.dropped) if i not in through]
+            eased = check.tables("gather")[0].site["eased"]
+            assert after.site["eased"][left] == pytest.approx((255 - share * (255 - eased))[left], abs=0.51)
+            check.count["few"] += int((share[left] < 1).sum())
         check.alike("held", held, np.flatnonzero(own & (after.site["held"] > 0)))
         check.alike("crumbs", crumbs, np.flatnonzero(own & (after.site["crumb"] > 0)))
         check.alike("claimed", gone | weak | crumbs, np.flatnonzero(own & after.dropped))

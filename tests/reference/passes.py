@@ -139,20 +139,30 @@ def through(t, layer):
     return set(np.flatnonzero((t.family == NUMBER["crease"]) & (t.axis <= COLUMN) & (place != 0) & (bend == 180)))
 
 
+def _hanging(t, i, most):
+    """How many sites hang together with one and itself, at most so many."""
+    found = [i]
+    for j in found:
+        found += [k for k in close_sites(t, j) if k not in found]
+        if len(found) >= most:
+            return most
+    return len(found)
+
+
 def crumbs(t, family):
     """Which sites are too few that hang together, to be a line."""
     few = FAMILIES[family].startswith(("seen", "valley")) or family in BANDS
     least = 9 if FAMILIES[family] == "seen_depth" else 4 if few else 3
-    gone = set()
-    for i in np.flatnonzero((t.family == family) & ~t.dropped):
-        found = [i]
-        for j in found:
-            found += [k for k in close_sites(t, j) if k not in found]
-            if len(found) >= least:
-                break
-        if len(found) < least:
-            gone.add(int(i))
-    return gone if family > NUMBER["mark"] else set()
+    own = np.flatnonzero((t.family == family) & ~t.dropped) if family > NUMBER["mark"] else []
+    return {int(i) for i in own if _hanging(t, i, least) < least}
+
+
+def thinned(t):
+    """By site, which share of its width an edge of a mesh has where few hang together: all from five on."""
+    share = np.ones(len(t))
+    for i in np.flatnonzero((t.family == NUMBER["crease"]) & ~t.dropped):
+        share[i] = max(0, _hanging(t, i, 5) - 2) / 3
+    return share
 
 
 def passage(layers, row, column):

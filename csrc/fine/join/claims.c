@@ -5,6 +5,9 @@
 
 enum { CHUNK = 512 };
 
+/* Sites of an edge of a mesh that hang together beside older lines, from which on it has all its width: it comes by
+ * degrees, for it is led on to these. */
+enum { whole_edge = 5 };
 static const uint32_t long_contour = 24; /* sites that hang together: however faint, it is a line */
 /* Pixels that a step keeps from the stripes in its own layer, and within which one holds it; test_fine_passes */
 static const float clear_of_band = 2, held_by_band = 3;
@@ -142,7 +145,8 @@ static int32_t drop_weak(const turn *t)
 
 /* ---- crumbs ---------------------------------------------------------------------------------------------- */
 
-static bool is_crumb(const fine *n, uint32_t i, int wanted)
+/* How many sites hang together with one and itself, at most so many. */
+static int hanging(const fine *n, uint32_t i, int wanted)
 {
 	uint32_t found[ROOM] = {i}, to[ROOM];
 	int count = 1;
@@ -156,7 +160,7 @@ static bool is_crumb(const fine *n, uint32_t i, int wanted)
 				found[count++] = to[j];
 		}
 	}
-	return count < wanted;
+	return count;
 }
 
 /* However few: the rasteriser says of two pieces that they meet there. */
@@ -166,14 +170,26 @@ static bool is_told(const fine *n, uint32_t i)
 	return s->found.family == FAMILY_CREASE && ISA(crease_through)(n->f, &s->found);
 }
 
+static uint8_t thinned(uint8_t eased, float left)
+{
+	return (uint8_t)(255 - min(left, 1) * (float)(255 - eased) + 0.5f);
+}
+
 static void find_crumbs(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const turn *t = data;
 	for (int k = first; k < end && !stopped_at(t->n, k); k++) {
 		uint32_t i = t->first + (uint32_t)k;
-		linked *s = &t->n->site[i].linked;
-		s->crumb = !s->dropped && is_crumb(t->n, i, t->is->crumb) && !is_told(t->n, i);
+		site *s = t->n->site + i;
+		if (s->linked.dropped || is_told(t->n, i))
+			continue;
+		bool edge = s->found.family == FAMILY_CREASE;
+		int least = t->is->crumb, count = hanging(t->n, i, edge ? whole_edge : least);
+		s->linked.crumb = count < least;
+		if (edge)
+			s->placed.eased =
+				thinned(s->placed.eased, (float)(count - least + 1) / (float)(whole_edge - least + 1));
 	}
 }
 
