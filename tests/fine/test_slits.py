@@ -136,3 +136,25 @@ def test_a_narrow_shadow_is_one_line_or_two_from_end_to_end(slope):
         assert np.abs(lines_of_shadow(width, slope) - 2).max() < 0.4
     two = lines_of_shadow(2.1, slope, tapers=0.8) > 1.5
     assert (two[1:] != two[:-1]).sum() == 1
+
+
+def light_beside(apart, fold):
+    """How much ink a row has of light that steps so many px beside a contour, behind which the same thing goes on or
+    another one."""
+    grey, side = np.full((60, 80, 3), 0.5, np.float32), np.arange(80) < 40
+    light, marks = np.clip(np.arange(80) - 40 - apart + 0.5, 0.2, 1), np.zeros((60, 80, 2), np.float32)
+    marks[:, 39, 0] = -0.5 - 2 * 7  # half way, and far before what is behind
+    layers = dict(combined=np.dstack([grey, np.ones((60, 80), np.float32)]), color=grey, marks=marks,
+                  creases=np.zeros((60, 80, 5), np.float32), normal=np.tile(np.float32((0, 0, 1)), (60, 80, 1)))
+    for name, row in (("diffuse", np.repeat(light[:, None], 3, 1)), ("depth", np.where(side, 4, 5)[:, None]),
+                      ("object", np.where(side | fold, 1, 2)[:, None])):
+        layers[name] = np.tile(row, (60, 1, 1)).astype(np.float32)
+    settings = {**SCENE, "line_thickness": 2.0, "edge_light": 4.0, "width_light": 1.0}
+    out = library.render(layers, settings, frame=Frame(1920, 1080), outputs=("Encre Lines",))
+    return out.images["Encre Lines"][20:40, 42:70, 3].sum(1).mean()
+
+
+def test_light_that_steps_beside_a_fold_is_no_second_one():
+    assert light_beside(2.0, fold=True) < 0.02
+    assert light_beside(9.0, fold=True) == pytest.approx(2, abs=0.3)
+    assert light_beside(3.0, fold=False) == pytest.approx(2, abs=0.3)

@@ -153,6 +153,7 @@ def give_way(t, scale, depth, number=None, creases=None):
     smooth = (t.family == NUMBER["crease"]) & _smooth(t, creases)
     wide = px(scale) * np.where(t.family == NUMBER["mark"], 3, np.where((t.rank == 0) | smooth, 5, 4))
     closed = px(scale) * np.where(edge & ~smooth, 1.5, np.where(light, 0.5, 3))
+    turns = fold & (creases is not None)
     stays, doubt = np.ones(len(t)), set()
     ways = np.array([way(i) if len(t.links[i]) in (1, 2) else (0, 0) for i in range(len(t))]).reshape(-1, 2)
     lines = np.flatnonzero(~t.dropped & ways.any(1))
@@ -164,7 +165,7 @@ def give_way(t, scale, depth, number=None, creases=None):
                 continue
             x, y = ways[i]
             gaps = t.at[lines] - t.at[i]
-            near = (abs(gaps @ (x, y)) <= 1 + CLOSE) & (abs(gaps @ (y, -x)) < wide[i])
+            near = (abs(gaps @ (x, y)) <= 1 + CLOSE) & (abs(gaps @ (y, -x)) < (6 * px(scale) if light[i] else wide[i]))
             for j, gap in zip(lines[near], gaps[near], strict=True):
                 along, aside, level = abs(gap @ (x, y)), abs(gap @ (y, -x)), abs(ways[j] @ (x, y))
                 most, hands, unsure = 0.5 if slit[i] else 1, t.family[i] == t.family[j] == NUMBER["mark"], False
@@ -181,6 +182,8 @@ def give_way(t, scale, depth, number=None, creases=None):
                 elif along <= most and level >= (0.985 if hands else 0.95):
                     turned = np.clip((level - 0.95) / 0.035, 0, 1) if edge[i] and not hands else 1
                     more = 1.5 * px(scale) if slit[i] else 0
+                    if light[i] and (turns[j] or smooth[j]):  # the fold once more
+                        aside = max(0, 0.5 * px(scale) + (aside - 3 * px(scale)) * 3.5 / 3)
                     room[i] = min(room[i], wide[i] + (aside + more - wide[i]) * stays[j] * turned)
                     if j in doubt and (fold[j] or slit[j]):
                         doubt.add(i)

@@ -10,7 +10,7 @@ enum { CHUNK = 512, EVENED = 12, OWN = 12 /* sites each way along a line */, RUN
 static const float share = 0.25f; /* of the room beyond what closes, which a line's half may take; test_fine_passes */
 
 /* Px beside an older line that runs along, up to where and within which it counts; and pixels along. */
-static const float wide = 4, wide_mark = 3, wide_fold = 5, along = 1, abreast = 0.5f;
+static const float wide = 4, wide_mark = 3, wide_fold = 5, wide_light = 6, along = 1, abreast = 0.5f;
 static const float closed_crease = 1.5f, closed_light = 0.5f; /* light keeps 1.5 pixels clear by itself */
 static const float closed_fold = 3;
 static const float wide_slit = 3.5f; /* between two things */
@@ -175,6 +175,15 @@ static bool is_double(const fine *n, const site *s, const site *t, const float w
 	return out == back ? is_before(s, t, way, least_aside) : front_depth(n, t, &other) < front_depth(n, s, &own);
 }
 
+/* How far light is from an older line, in px. Beside the line of a fold of something smooth, which turns from the lamp
+ * there, its border is that fold once more, and must be farther off. */
+static float light_room(const fine *n, const site *older, float apart)
+{
+	bool turns = is_fold(n, older) || ISA(crease_smooth)(n, &older->found);
+	return turns ? max(0, closed_light + (apart - closed_fold) * (wide - closed_light) / (wide_light - closed_fold))
+		     : apart;
+}
+
 static void find_rooms(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -182,7 +191,8 @@ static void find_rooms(void *data, int first, int end, int thread)
 	const fine *n = r->n;
 	for (uint32_t i = (uint32_t)first; i < (uint32_t)end && !stopped_at(n, (int)i); i++) {
 		const site *s = n->site + i;
-		float way[2], other[2], far = widest(n, s) * r->px, room = far;
+		bool light = rank_of(s) == RANK_LIGHT;
+		float way[2], other[2], far = widest(n, s) * r->px, room = far, most = light ? wide_light * r->px : far;
 		if (r->open && !(r->room[i] < widest(n, s))) /* the second time it has no less */
 			continue;
 		r->room[i] = widest(n, s);
@@ -195,8 +205,9 @@ static void find_rooms(void *data, int first, int end, int thread)
 		if (!(length > 0))
 			continue;
 		r->side[i] = slit;
-		float across = (fabsf(way[0]) * along + fabsf(way[1]) * far) / length,
-		      down = (fabsf(way[1]) * along + fabsf(way[0]) * far) / length, x0 = s->placed.x, y0 = s->placed.y;
+		float across = (fabsf(way[0]) * along + fabsf(way[1]) * most) / length,
+		      down = (fabsf(way[1]) * along + fabsf(way[0]) * most) / length, x0 = s->placed.x,
+		      y0 = s->placed.y;
 		near_sites of = near_box(n, x0 - across, y0 - down, x0 + across, y0 + down);
 		for (uint32_t j; near_next(n, &of, &j);) {
 			const site *t = n->site + j;
@@ -204,7 +215,7 @@ static void find_rooms(void *data, int first, int end, int thread)
 			      aside = fabsf(x * way[1] - y * way[0]);
 			if (t->linked.dropped || (fold && t->found.family != FAMILY_CRACK) ||
 			    fabsf(x * way[0] + y * way[1]) > (slit ? abreast : along) * length ||
-			    aside >= room * length || !way_of(n, j, other))
+			    aside >= (light ? most : room) * length || !way_of(n, j, other))
 				continue;
 			bool hands = s->found.family == FAMILY_MARK && t->found.family == FAMILY_MARK;
 			bool older = hands        ? is_before(s, t, way, least_aside)
@@ -219,7 +230,8 @@ static void find_rooms(void *data, int first, int end, int thread)
 			float counts = r->open ? r->open[j] : 1, more = slit ? wide_fold - wide_slit : 0;
 			if (is_edge(s) && !hands)
 				counts *= clamp01((sqrtf(dot * dot / both) - level) / (level_hand - level));
-			room = min(room, mix(far, aside / length + more * r->px, counts));
+			float apart = light ? light_room(n, t, aside / length / r->px) * r->px : aside / length;
+			room = min(room, mix(far, apart + more * r->px, counts));
 		}
 		r->room[i] = room / r->px;
 	}
