@@ -91,14 +91,17 @@ def layers_of(meshes, view, projection, size=SIZE):
     return layers, maps
 
 
-def frame(meshes, view, projection, values, image=None):
-    """(ink (H, W), the rasteriser's pictures). image: what reads the images of settings."""
-    layers, maps = layers_of(meshes, view, projection)
+def inked(layers, view, values, image=None):
+    """(H, W) ink of tones on these layers. image: what reads the images of settings."""
     off = dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False)
-    ink = library.render(layers, {**off, "use_tones": True, **values}, camera=Camera(view[:3, :3].ravel()),
-                         image=image, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
-    return ink, maps
+    return library.render(layers, {**off, "use_tones": True, **values}, camera=Camera(view[:3, :3].ravel()),
+                          image=image, outputs=["Encre Tones"]).images["Encre Tones"][..., 3]
 
+
+def frame(meshes, view, projection, values, image=None):
+    """(ink (H, W), the rasteriser's pictures)."""
+    layers, maps = layers_of(meshes, view, projection)
+    return inked(layers, view, values, image), maps
 
 
 def tone(kind, **look):
@@ -123,6 +126,9 @@ SCREENS = {
     "flat dots": {**RAMP, **tone("DOTS", space="FLAT", pitch=7.0)},
     "dots on the screen": {**RAMP, **tone("DOTS", pitch=7.0)},
 }
+PICTURES = {name: {**RAMP, **tone("IMAGE", space=space, pitch=90.0, image="tile")}
+            for name, space in (("picture", "SURFACE"), ("picture painted on", "OBJECT"))}
+EXAMPLE = {**dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False), "use_example": True}
 MOTIONS = {"pan": [dict(pan=0.0115 * 5.3 * k / 2) for k in range(6)],
            "zoom": [dict(zoom=4 ** (k / 16)) for k in range(17)],
            "turn": [dict(turn=np.radians(2.5 * k)) for k in range(13)],
@@ -137,9 +143,10 @@ def posed(pan=0.0, zoom=1.0, turn=0.0, walk=None):
     return hands.walker(walk / 24, 0.05 * walk - 0.3), *eye(zoom=1.6)
 
 
-def back(one, other, ink):
-    """(the other frame's ink where the surface of `one` is in it, where it is seen there, but for what stands still
-    about one who walks). one, other: (meshes, view, projection, maps of what is seen)."""
+def way(one, other):
+    """(the column and row left and above of where the surface of `one` is in the other frame, how far from there, where
+    it is seen there, but for what stands still about one who walks). one, other: (meshes, view, projection, maps of
+    what is seen)."""
     meshes, view, projection, second = other
     height, width = second["depth"].shape
     for mesh, moved in zip(one[0], meshes, strict=True):
@@ -157,12 +164,21 @@ def back(one, other, ink):
     x, y = np.where(seen, x, 2), np.where(seen, y, 2)
     i, j = np.floor(x).astype(int), np.floor(y).astype(int)
     u, v = x - i, y - j
-    moved = (ink[j, i] * (1 - u) + ink[j, i + 1] * u) * (1 - v) + (ink[j + 1, i] * (1 - u) + ink[j + 1, i + 1] * u) * v
     for b in (0, 1):
         for a in (0, 1):
             seen &= (second["object"][j + b, i + a] == number)
             seen &= np.abs(second["depth"][j + b, i + a] - depth) < close * depth
-    return moved, seen
+    return i, j, u, v, seen
+
+
+def taken(ink, i, j, u, v):
+    return (ink[j, i] * (1 - u) + ink[j, i + 1] * u) * (1 - v) + (ink[j + 1, i] * (1 - u) + ink[j + 1, i + 1] * u) * v
+
+
+def back(one, other, ink):
+    """(the other frame's ink where the surface of `one` is in it, where it is seen there)."""
+    *place, seen = way(one, other)
+    return taken(ink, *place), seen
 
 
 def blurred(picture):
@@ -172,25 +188,34 @@ def blurred(picture):
     return out
 
 
-def followed(values, poses, image=None):
-    """(corr, pop, how much ink varies) over a motion."""
-    frames = []
+def followed_each(screens, poses, image=None):
+    """{name: (corr, pop, how much ink varies)} of several tones {name: values} over a motion that is drawn once."""
+    found, before = {name: ([], [], []) for name in screens}, None
     for pose in poses:
         meshes, view, projection = posed(**pose)
-        ink, maps = frame(meshes, view, projection, values, image)
-        frames.append((ink, (meshes, view, projection, maps)))
-    found, pops, shares = [], [], []
-    for (ink, one), (after, other) in zip(frames, frames[1:], strict=False):
-        moved, seen = back(one, other, after)
-        near = seen & (one[3]["depth"] < 40) & (ink.size > 0)
-        found.append(np.corrcoef(ink[near], moved[near])[0, 1])
-        pops.append((np.abs(blurred(np.where(near, ink - moved, 0)))[near] > 0.25).mean())
-    for ink, (_, _, _, maps) in frames:
+        layers, maps = layers_of(meshes, view, projection)
+        inks, here = {name: inked(layers, view, values, image) for name, values in screens.items()}, (
+            meshes, view, projection, maps)
         own = maps["object"] == 1
         lit = np.maximum(maps["shading"] @ LIGHT.astype(np.float32), 0) * SUN
-        asked = 0.95 - 0.9 * np.clip(lit, 0, 1)
-        shares.append(ink[own].mean() / asked[own].mean())
-    return np.mean(found), np.mean(pops), np.std(shares) / np.mean(shares)
+        asked = (0.95 - 0.9 * np.clip(lit, 0, 1))[own].mean()
+        if before:
+            *place, seen = way(before[1], here)
+            near = seen & (before[1][3]["depth"] < 40)
+        for name, (corrs, pops, shares) in found.items():
+            shares.append(inks[name][own].mean() / asked)
+            if before:
+                ink, moved = before[0][name], taken(inks[name], *place)
+                corrs.append(np.corrcoef(ink[near], moved[near])[0, 1])
+                pops.append((np.abs(blurred(np.where(near, ink - moved, 0)))[near] > 0.25).mean())
+        before = inks, here
+    return {name: (np.mean(corrs), np.mean(pops), np.std(shares) / np.mean(shares))
+            for name, (corrs, pops, shares) in found.items()}
+
+
+def followed(values, poses, image=None):
+    """(corr, pop, how much ink varies) over a motion."""
+    return followed_each({"": values}, poses, image)[""]
 
 
 def painted(values, poses, image):
@@ -285,11 +310,9 @@ def main():
             ink, _ = frame(*posed(**pose), values)
             grey = np.round(255 * (1 - ink)).astype(np.uint8)[..., None]
             oiio.ImageBuf(grey).write(str(folder / f"{name.replace(' ', '-')}-{label}.png"))
-    for name, space, pitch in (("picture", "SURFACE", 90.0), ("picture painted on", "OBJECT", 90.0)):
-        values = {**RAMP, **tone("IMAGE", space=space, pitch=pitch, image="tile")}
+    for name, values in PICTURES.items():
         print(f"| {name} | " + " | ".join(cells_of(values, lambda _: tile(90, 90))) + " |", flush=True)
-    values = {**dict.fromkeys(("use_lines", "use_shading", "use_smudging", "use_hatching"), False), "use_example": True}
-    cells = [painted(values, poses, read_chosen) for poses in MOTIONS.values()]
+    cells = [painted(EXAMPLE, poses, read_chosen) for poses in MOTIONS.values()]
     print("| by example | " + " | ".join(f"{a:.3f}, {100 * b:.2f} %" for a, b in cells) + " |")
 
 
