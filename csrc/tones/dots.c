@@ -223,7 +223,7 @@ static void cover_row(float soft, float share, int n, const births *b, const flo
 				cover(false, soft, share, end, radius, distance, ink + x);
 		}
 	for (int i = 0; i < n; i++)
-		ink[i] = flat[i] > 0 ? dark[i] : ink[i];
+		ink[i] = blend(ink[i], dark[i], flat[i]);
 }
 
 /* How the place in pixels of the pitch that radii were tried for grows per pixel of the screen: along both axes to the
@@ -245,9 +245,41 @@ static inline void painted_dot(float radius, float soft, float x, float y, const
 	*away = d * share;
 }
 
+/* Where a pitch is seen as less than 3.5 pixels high, rows of dots that slant across those of pixels would be bands
+ * of moire: there dots pass to their mean, as from afar, and have done so at half of that. */
+static const float least_height = 1.75f;
+
+static inline float too_low(const slant *g, float pitch)
+{
+	float sum = g->right0 * g->right0 + g->down0 * g->down0 + g->right1 * g->right1 + g->down1 * g->down1;
+	float area = g->area * g->area, most = 0.5f * (sum + sqrtf(max(sum * sum - 4 * area * area, 0)));
+	return clamp01(2 - pitch / (least_height * sqrtf(max(most, 1e-30f))));
+}
+
 static inline float from_whole(float at)
 {
 	return at - floorf(at + 0.5f);
+}
+
+/* From one to the next there are grown + 1 pitches. */
+static inline slant slant_at(const tone_screen *s, const tone_field field[2], const tone_lattice *l, int i)
+{
+	float grows0 = s->pitch * (1 + l->grown[0][i]) * l->scale[0][i];
+	float grows1 = s->pitch * (1 + l->grown[1][i]) * l->scale[1][i];
+	slant g = {.right0 = grows0 * field[0].right[i],
+		   .down0 = grows0 * field[0].down[i],
+		   .right1 = grows1 * field[1].right[i],
+		   .down1 = grows1 * field[1].down[i]};
+	g.area = sqrtf(fabsf(g.right0 * g.down1 - g.down0 * g.right1));
+	return g;
+}
+
+static void flatten(const tone_screen *s, int n, const tone_field field[2], tone_lattice *l)
+{
+	for (int i = 0; i < n; i++) {
+		slant g = slant_at(s, field, l, i);
+		l->flat[i] = l->flat[i] > 0 ? 1 : too_low(&g, s->pitch);
+	}
 }
 
 static void painted(const tone_screen *s, int n, const tone_field field[2], const tone_lattice *l,
@@ -255,14 +287,8 @@ static void painted(const tone_screen *s, int n, const tone_field field[2], cons
 {
 	for (int i = 0; i < n; i++) {
 		float soft = s->soft + s->more_soft * sqrtf(l->pitch[0][i] * l->pitch[1][i]);
-		/* from one to the next there are grown + 1 pitches */
 		float size0 = s->pitch * (1 + l->grown[0][i]), size1 = s->pitch * (1 + l->grown[1][i]);
-		float grows0 = size0 * l->scale[0][i], grows1 = size1 * l->scale[1][i];
-		slant g = {.right0 = grows0 * field[0].right[i],
-			   .down0 = grows0 * field[0].down[i],
-			   .right1 = grows1 * field[1].right[i],
-			   .down1 = grows1 * field[1].down[i]};
-		g.area = sqrtf(fabsf(g.right0 * g.down1 - g.down0 * g.right1));
+		slant g = slant_at(s, field, l, i);
 		float x = size0 * from_whole(l->at[0][i]), x_between = size0 * from_whole(l->at[0][i] - 0.5f);
 		float y = size1 * from_whole(l->at[1][i]), y_between = size1 * from_whole(l->at[1][i] - 0.5f);
 		float r = radius[i], share[3];
@@ -308,6 +334,8 @@ void ISA(tone_dots)(const tone_screen *s, int n, const tone_field field[2], cons
 		const float upright[TONE_CHUNK] = {0};
 		radii_at(s, n, upright, l.grown, dark, radius);
 		painted(s, n, field, &l, radius, &b);
+		if (s->soft == 1) /* else there is no grey */
+			flatten(s, n, field, &l);
 		cover_row(1, 1, n, &b, l.flat, dark, ink);
 	} else {
 		tone_spread l;

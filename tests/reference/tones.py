@@ -149,7 +149,7 @@ def lattice(fields, least, most):
             [s / m for s, m in zip(steps, scale, strict=True)], flat, pitch)
 
 
-TRIED, LEAST = 8, 5
+TRIED, LEAST, LOW = 8, 5, 1.75
 
 
 def grown_dots(fields, dark, soft):
@@ -167,7 +167,10 @@ def grown_dots(fields, dark, soft):
         slope = np.hypot(*(to[0] * slopes[0] + to[1] * slopes[1])) / np.maximum(distance, 1e-6)
         slope = np.maximum(np.maximum(np.where(distance > 1e-6, slope, 0), 0.25 * even_slope) * fade, 1e-30)
         ink = np.maximum(ink, disc(r * np.sqrt(share) / slope, distance / slope, 1))
-    return np.where(flat, dark, ink)
+    (a, b), (c, d) = slopes
+    steepest = np.linalg.norm(np.moveaxis(np.array([[a, b], [c, d]]), (0, 1), (-2, -1)), 2, (-2, -1))
+    low = np.where(flat, 1, clamp01(2 - TRIED / (LOW * np.maximum(steepest, 1e-15))))
+    return ink + (dark - ink) * (low if soft(1) >= 1 else flat)
 
 
 def dots(fields, dark, pitch, soft):

@@ -499,6 +499,22 @@ def test_ink_that_sticks_is_what_was_asked_for_near_and_far(kind, off, look):
             assert abs(ink.mean() - dark) < off, (scale, dark, ink.mean())
 
 
+@pytest.mark.parametrize("pitch", [4.0, 12.0])
+def test_dots_painted_on_the_ground_are_no_moire_far_away(pitch):
+    """Rows of dots a pixel or two high, slanted to those of pixels, were bands and had a tenth less ink."""
+    height, width, pixel = 200, 320, 0.001
+    y, x = np.mgrid[:height, :width]
+    far = 1.6 / (pixel * (y + 12.0))
+    anchor = np.zeros((height, width, 16), np.float32)
+    anchor[..., 0], anchor[..., 1], anchor[..., 5] = (x - width / 2) * pixel * far, far, 1
+    anchor[..., 6] = anchor[..., 7] = pixel * far
+    anchor[..., 10:12] = -anchor[..., :2] / (y + 12.0)[..., None]
+    for dark in (0.2, 0.5):
+        ink = flat(dark, (height, width), anchor, **sticks.tone("DOTS", space="OBJECT", pitch=pitch, angle=35.0))
+        blocks = ink[:192].reshape(12, 16, 20, 16).mean((1, 3)) - dark
+        assert np.sqrt((blocks**2).mean(1)).max() < 0.01 and abs(ink.mean() - dark) < 0.005, (dark, ink.mean())
+
+
 @pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
 def test_an_octave_ends_as_the_next_begins(kind):
     """Nothing pops: of two pictures a hair apart in scale hardly a pixel differs."""
