@@ -162,29 +162,43 @@ def sampled(picture, x, y):
             + (picture[j + 1, i] * (1 - u) + picture[j + 1, i + 1] * u) * v)
 
 
-def followed(values, poses):
-    """What the pen does, from each frame to the next: (its correlation, the least of any two, the share of places by
-    lines where there is more or less by a quarter)."""
-    frames, plain = [], {k: v for k, v in values.items() if not k.startswith("pen_")}
+def followed_each(pens, poses):
+    """{name: what a pen does, from each frame to the next: (its correlation, the least of any two, the share of places
+    by lines where there is more or less by a quarter)} of several pens {name: values} over a motion that is drawn once.
+    """
+    found, frames = {name: ([], []) for name in pens}, []
     for meshes, view, projection in poses:
         layers, _ = sticks.layers_of(meshes, view, projection)
-        ink, edges = drawn(layers, view, values)
-        usual = blurred(drawn(layers, view, plain)[0])
-        frames.append((blurred(ink) / np.maximum(usual, 0.02), usual, edges))
-    found, pops = [], []
-    for (one, two), (first, second) in zip(zip(frames, frames[1:], strict=False), zip(poses, poses[1:], strict=False),
-                                           strict=True):
+        usual, now = {}, {}
+        for name, values in pens.items():
+            plain = {k: v for k, v in values.items() if not k.startswith("pen_")}
+            key = repr(plain)
+            if key not in usual:
+                usual[key] = blurred(drawn(layers, view, plain)[0])
+            ink, edges = drawn(layers, view, values)
+            now[name] = blurred(ink) / np.maximum(usual[key], 0.02), usual[key], edges
+        frames = [*frames[-1:], (now, (meshes, view, projection))]
+        if len(frames) == 1:
+            continue
+        (before, first), (after, second) = frames
         for mesh in second[0]:
             mesh.eye = first[1:]
         x, y, known = places(first[0], second[0], *second[1:], sticks.SIZE)
         inside = known & (x > 8) & (y > 8) & (x < sticks.SIZE[0] - 9) & (y < sticks.SIZE[1] - 9)
         inside[:8] = inside[-8:] = inside[:, :8] = inside[:, -8:] = False
-        own = one[2] & inside & (one[1] > 0.05)
-        own &= sampled(two[1], x, y) > 0.7 * one[1]
-        before, after = one[0][own], sampled(two[0], x, y)[own]
-        found.append(np.corrcoef(before, after)[0, 1])
-        pops.append((np.abs(before - after) > 0.25).mean())
-    return np.mean(found), np.min(found), np.mean(pops)
+        for name, (corrs, pops) in found.items():
+            one, two = before[name], after[name]
+            own = one[2] & inside & (one[1] > 0.05)
+            own &= sampled(two[1], x, y) > 0.7 * one[1]
+            here, there = one[0][own], sampled(two[0], x, y)[own]
+            corrs.append(np.corrcoef(here, there)[0, 1])
+            pops.append((np.abs(here - there) > 0.25).mean())
+    return {name: (np.mean(corrs), np.min(corrs), np.mean(pops)) for name, (corrs, pops) in found.items()}
+
+
+def followed(values, poses):
+    """What one pen does over a motion."""
+    return followed_each({"": values}, poses)[""]
 
 
 def motions():
@@ -238,8 +252,9 @@ def main():
     folder.mkdir(exist_ok=True)
     runs = motions()
     print("| correlation, the least, pops | " + " | ".join(runs) + " | ink at 540, 360, 180 lines |")
+    found = [followed_each(PENS, poses) for poses in runs.values()]
     for name, values in PENS.items():
-        cells = [followed(values, poses) for poses in runs.values()]
+        cells = [each[name] for each in found]
         print(f"| {name} | " + " | ".join(f"{a:.3f}, {b:.2f}, {100 * c:.1f} %" for a, b, c in cells) + " | "
               + ", ".join(f"{100 * (share - 1):+.0f} %" for share in sizes(values)) + " |")
     for name, values in (("walk", CLIP), ("walk_strokes", STROKES)):
