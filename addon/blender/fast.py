@@ -10,7 +10,7 @@ from ..pen import abi, background, library, overlay
 from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
-from . import cameras, lamps, materials, meshes, mirrors, pictures, subject, trees, unseen, worlds
+from . import cameras, filters, lamps, materials, meshes, mirrors, pictures, subject, trees, unseen, worlds
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
@@ -59,15 +59,17 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     unknown = [f"{name} ({looks.unknown[name]})" for name in objects.materials if name in looks.unknown]
     if unknown:
         notes.append(f"in their viewport colour, as only Cycles can show them: {', '.join(unknown)}")
+    world = filters.world(depsgraph)
     try:
-        sky = worlds.sky(scene.world)
+        sky = worlds.sky(world)
     except trees.Unknown as e:
-        sky = Sky(np.array(scene.world.color))
+        sky = Sky(np.array(world.color))
         notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     made = looks.programs(objects.materials, objects.things, first)
-    return Scene(objects, light, made, sky, scene.render.film_transparent, subject.read(depsgraph, camera, light), clip,
-                 notes, first > 0, first + looks.channels(objects.materials), looks.through(objects.materials),
+    return Scene(objects, light, made, sky * light.exposure, scene.render.film_transparent,
+                 subject.read(depsgraph, camera, light), clip, notes, first > 0,
+                 first + looks.channels(objects.materials), looks.through(objects.materials),
                  looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials))
 
 
@@ -175,6 +177,8 @@ class Scene:
             creases[through, 4] = -1  # no mesh tells of them
             yield []
         layers |= {name: looks[name] for name in ("color", "gloss", "emission")}
+        if self.light.exposure != 1:
+            layers["emission"] = layers["emission"] * np.float32(self.light.exposure)
         mirrors = layers["gloss"]
         if lit is not None:
             layers["highlights"], layers["gloss"] = lit, np.maximum(mirrors, looks["shine"][..., :3])
@@ -325,7 +329,7 @@ class Scene:
                 shown = np.zeros_like(layers["color"])
                 layers["seen_color"], layers["seen_depth"] = layers["color"].copy(), layers["depth"].copy()
                 layers["seen_normal"] = layers["normal"].copy()
-            picture = (look["color"] + look["gloss"]) * light + look["emission"]
+            picture = (look["color"] + look["gloss"]) * light + look["emission"] * np.float32(self.light.exposure)
             pixels = np.flatnonzero(mirror.where & (theirs["object"] == 0))
             picture.reshape(-1, 3)[pixels] = self.sky.seen(behind, projection, frame, pixels, size[0])
             for name, new in (("seen_color", look["color"]), ("seen_depth", theirs["depth"][..., None]),

@@ -8,7 +8,7 @@ import numpy as np
 from ..pen.irradiance import polynomials
 from ..pen.job import EVERY_SET, Bend, Lamp
 from ..pen.scene import Scene
-from . import cutouts, pictures, trees, versions, wanted, worlds
+from . import cutouts, filters, pictures, trees, versions, wanted, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
@@ -59,11 +59,13 @@ class Light:
         self.sets, self.materials = _Sets(), {}
         self.used, self.placed, self.lamps = set(), 0, 0
         self.said = []  # all that the scene was told, by which two of them are compared
-        self.world, self.bends = None, []
+        self.world, self.bends, self.exposure = None, [], filters.exposure(depsgraph)
         try:
-            self.world = worlds.light(depsgraph.scene_eval.world)
+            self.world = worlds.light(filters.world(depsgraph))
         except trees.Unknown as e:
             self.unknown.append(f"the world's node {e}")
+        if self.world is not None:
+            self.world = self.world * self.exposure
         self.free = None if shadowed else self.world  # of the world's light what nothing is in the way of
         if shadowed and self.world is not None:
             for lamp in _halves(self.world):
@@ -85,6 +87,7 @@ class Light:
         if lamp is None:
             return
         lamp.light_set, lamp.shadow_set = self.sets.numbers(obj)
+        lamp.color = lamp.color * self.exposure
         self._add(lamp)
 
     def _add(self, lamp):

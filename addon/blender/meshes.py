@@ -102,7 +102,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     meshes, shown, ribbons, owners, numbers, things = [], [], [], [0], [0], [(0,) * 18]
     catchers, holdouts = [False], [False]
     running, materials = {}, _Materials(depsgraph.scene_eval)
-    override = filters.override(depsgraph)
+    override, surfaces, grows = (of(depsgraph) for of in (filters.override, filters.surfaces, filters.hair))
     smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
     for block in depsgraph.ids:
@@ -111,8 +111,8 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
             block.encre  # noqa: B018
     for instance in depsgraph.object_instances:
         obj = instance.object
-        meshable = obj.type in MESHABLE and instance.show_self
-        grown = hair.of(instance, depsgraph.mode == "RENDER") if looks else ()
+        meshable = surfaces and obj.type in MESHABLE and instance.show_self
+        grown = hair.of(instance, depsgraph.mode == "RENDER") if looks and grows else ()
         if not meshable and not grown:
             continue
         top = instance.parent if instance.is_instance else obj

@@ -27,9 +27,10 @@ _SPOTS = np.array([(a, b) for a in (-0.5, 0.5) for b in (-0.5, 0.5)])  # of a fa
 _SIDES = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z], np.float64)
 
 
-def light(scene, found, boxes, size, drawn=None):
-    """Of lamps found, (object, matrix) pairs, on what stands in boxes (n, 4, 3), the middle and three half axes each;
-    0: there is none that can be told. drawn: the lamps.Light that knows what throws shadows, None: nothing does.
+def light(world, found, boxes, size, drawn=None):
+    """Of a world, and of lamps found, (object, matrix) pairs, on what stands in boxes (n, 4, 3), the middle and three
+    half axes each; 0: there is none that can be told. drawn: the lamps.Light that knows what throws shadows, None:
+    nothing does.
 
     A thing has the light of the lamp that is strongest there, and all that comes from the world. The mean is of its
     logarithm, or a lampshade would outweigh a room; what has little counts little, for it is meant to be dark.
@@ -38,7 +39,7 @@ def light(scene, found, boxes, size, drawn=None):
     n = max(len(boxes), 1)
     falls = np.array([np.broadcast_to(_falls(lamp, boxes[:, 0], _NEAREST * size), n) for _, lamp in told])
     each = np.max(falls, 0) if told else np.zeros(n)
-    around, brightest = _world(scene.world)
+    around, brightest = _world(world)
     if not (np.any(each > 0) and len(boxes)):
         full = np.max(each) + around if np.any(each > 0) else 0.0
         return _finite(max(full, brightest))

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import meter
+from . import filters, meter
 from .attributes import get
 from .triangles import MESHABLE
 
@@ -42,7 +42,7 @@ def read(depsgraph, camera=None, drawn=None):
     """The Subject of a scene; camera: an evaluated one whose focus counts; drawn: the lamps.Light, all of it placed."""
     things = _Things(depsgraph)
     size = things.size()
-    light = meter.light(depsgraph.scene_eval, things.lamps, things.boxes, size, drawn)
+    light = meter.light(filters.world(depsgraph), things.lamps, things.boxes, size, drawn)
     focus = camera and camera.data.dof
     if focus and focus.focus_object:
         place = np.append(focus.focus_object.evaluated_get(depsgraph).matrix_world.translation, 1)

@@ -24,7 +24,7 @@ def beside(context, depsgraph, settings, camera):
     scene, layer, space = depsgraph.scene_eval, context.view_layer, context.space_data
     return (settings.every[0]["object_index"], settings.rastered, settings.shadows_world,
             [style.name for style in scene.encre.styles],
-            scene.world and scene.world.name_full, scene.render.film_transparent, camera and camera.name_full,
+            scene.render.film_transparent, camera and camera.name_full,
             filters.told(depsgraph),
             [(obj.visible_get(view_layer=layer, viewport=space), obj.indirect_only_get(view_layer=layer))
              for obj in layer.objects])

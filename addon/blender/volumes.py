@@ -10,7 +10,7 @@ from .triangles import MESHABLE
 
 def corners(depsgraph):
     """The corners of the boxes about what has a volume, (n, 8, 3) in the world; infinite where the world has one."""
-    if _scatters(depsgraph.scene_eval.world):
+    if _scatters(filters.world(depsgraph)):
         return np.full((1, 8, 3), np.inf)
     override = filters.override(depsgraph)
     found = [(np.array(instance.matrix_world), np.array(instance.object.bound_box))

@@ -49,8 +49,8 @@ def test_frames_are_drawn_where_pens_draw_anew(shot):
 
 
 @pytest.mark.parametrize("name", ["hidden", "there again", "world", "film", "moved", "indirect only", "direct",
-                                  "excluded", "override", "hidden alone", "driver", "handler", "frame",
-                                  "image loaded anew", "image of another file",
+                                  "excluded", "override", "exposure", "no surfaces", "hidden alone", "driver",
+                                  "handler", "frame", "image loaded anew", "image of another file",
                                   "image's pixels", "image's pixels again", "sky loaded anew", "sky of another file",
                                   "sky's pixels"])
 def test_what_changes_beside_a_setting_is_seen(shot, name):

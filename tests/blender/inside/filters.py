@@ -3,7 +3,7 @@
 
 import bpy
 from quick import _cut, _leaf, _matt, _new, _square
-from studio import cube, fact, material, plane, shoot, stage
+from studio import cube, fact, material, plane, shoot, stage, world
 
 
 def _both(scene, out, name):
@@ -44,3 +44,32 @@ def overridden(out):
     _both(scene, out, "own")
     scene.view_layers[0].material_override = clay
     _both(scene, out, "clay")
+
+
+def filtered(out):
+    """Under a lamp and a world, with a thing that glows, one that shines and one of hair: all; without the world, as it
+    is and with no lamp, with a film of three tenths, without hair, without surfaces."""
+    scene, layer = _scene(), bpy.context.view_layer
+    world(scene, (0.3, 0.4, 0.6))
+    glow = bpy.data.materials["Red"].node_tree
+    lamp = _new(glow, "Emission", Color=(0.6, 0.3, 0.1, 1))
+    glow.links.new(lamp.outputs[0], glow.nodes["Material Output"].inputs["Surface"])
+    shine = bpy.data.materials["Green"].node_tree
+    surface = _new(shine, "BsdfGlossy", Color=(0.8, 0.7, 0.6, 1), Roughness=0.4)
+    shine.links.new(surface.outputs[0], shine.nodes["Material Output"].inputs["Surface"])
+    fur = cube("Fur", (0, -1, 0), 0.5, material("Brown", (0.5, 0.3, 0.2)))
+    settings = fur.modifiers.new("Hair", "PARTICLE_SYSTEM").particle_system.settings
+    settings.type, settings.count, settings.hair_length, settings.radius_scale = "HAIR", 60, 0.4, 0.1
+    layer.use_pass_emit = layer.use_pass_glossy_direct = layer.use_pass_glossy_color = True
+    _both(scene, out, "all")
+    scene.cycles.film_exposure = 0.3
+    _both(scene, out, "exposed")
+    scene.cycles.film_exposure = 1
+    for name in ("use_sky", "use_strand", "use_solid"):
+        setattr(layer, name, False)
+        _both(scene, out, name)
+        setattr(layer, name, True)
+    if hasattr(layer, "world_override"):
+        world(scene, (0.6, 0.2, 0.1))
+        layer.world_override, scene.world = scene.world, None
+        _both(scene, out, "world_override")

@@ -88,7 +88,7 @@ def settings():
 def beside():
     """What scripts change in one evaluation with a setting."""
     scene, balls = bpy.context.scene, bpy.context.view_layer.layer_collection.children["Ball's"]
-    encre = scene.encre
+    encre, layer, clay = scene.encre, bpy.context.view_layer, studio.material("Clay", (0.7, 0.5, 0.3))
     yield from changed("hidden", (encre, "line_thickness", 21), (hide, "Ball", True))
     yield from changed("there again", (encre, "line_thickness", 20), (hide, "Ball", False))
     yield from changed("world", (encre, "line_thickness", 21), (scene, "world", bpy.data.worlds.new("Night")))
@@ -96,11 +96,13 @@ def beside():
     yield from changed("moved", (encre, "line_thickness", 21), (bpy.data.objects["Cube"], "location", (-1, 0, 0)))
     yield from changed("indirect only", (encre, "line_thickness", 20), (balls, "indirect_only", True))
     yield from changed("direct", (encre, "line_thickness", 21), (balls, "indirect_only", False))
-    clay, layer = studio.material("Clay", (0.7, 0.5, 0.3)), bpy.context.view_layer
     yield from changed("excluded", (encre, "line_thickness", 20), (balls, "exclude", True))
     balls.exclude = False
     yield from changed("override", (encre, "line_thickness", 21), (layer, "material_override", clay))
     layer.material_override = None
+    yield from changed("exposure", (encre, "line_thickness", 20), (scene.cycles, "film_exposure", 0.5))
+    yield from changed("no surfaces", (encre, "line_thickness", 21), (layer, "use_solid", False))
+    layer.use_solid = True
     yield from changed("hidden alone", (hide, "Ball", True))
 
 
