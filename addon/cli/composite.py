@@ -103,7 +103,7 @@ def _read(exr, names, settings, place, camera, threads, room):
         clean = denoiser.cleaner(threads, settings.light_scale, first - around[0] - rows.start) if noisy else None
         slim.unpack(passes, camera)
         mattes.number(passes)
-        substitutes.fill(passes)
+        substitutes.fill(passes, settings)
         try:
             band, bad = layers.assemble(passes, settings, saved.unpack(passes), clean)
         except EncreError as error:
@@ -311,7 +311,7 @@ class _Work:
                               f"its noise stays{cure}")
         light = settings.every[0]["light_source"]
         if settings.wants_light and light != self.held.every[0]["light_source"] and not self.held.fast \
-                and np.ptp(read["diffuse"]):
+                and substitutes.lit(names) and np.ptp(read["diffuse"]):
             held = "Cycles' light" if light == "DRAWN" else "light that Encre has drawn"
             self._say("note", f"light_source {light} needs a render: {where} holds {held}, which is kept")
         self._say("note", settings.blots(_place(stored, window).height))

@@ -29,6 +29,8 @@ BOXES = {
     "IndexOB": ("Data > Indexes > Object Index, or Cryptomatte > Object", "outlines of objects"),
     "IndexMA": ("Data > Indexes > Material Index, or Cryptomatte > Material", "lines between materials"),
 }
+_LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)
+_DARK, _MOST = 0.02, 4  # a colour so dark tells nothing of the light; more light than that is as good as that
 _SINGLE = ("Depth", "IndexOB", "IndexMA")  # some renderers save them as grey in R, G and B
 _CRYPTO = {"IndexOB": "CryptoObject00", "IndexMA": "CryptoMaterial00"}
 
@@ -83,7 +85,8 @@ class Mattes:
                 pictures[index] = each[inverse].reshape(hashes.shape)
 
 
-def _lit(names):
+def lit(names):
+    """Whether passes of these names tell light and colour apart."""
     return "DiffCol" in names and ("Encre Diffuse" in names or "DiffDir" in names)
 
 
@@ -92,12 +95,17 @@ def switch_off(names, settings):
     said = []
     if "Combined" not in names and "Encre Source" not in names:
         return settings, said
-    if not _lit(names):
-        off = {"use_shading": False, "use_hatching": False, "edge_light": 0.0, "line_light": 0.0}
+    if not lit(names):
+        bare = _bare(settings)
+        off = {"use_hatching": False, "edge_light": 0.0, "line_light": 0.0,
+               **({"other_light": 0.0} if bare else {"use_shading": False})}
         styles = [(name, {**values, **{id_: value for id_, value in off.items() if id_ in values}})
                   for name, values in settings.styles]
         settings = Settings({**settings.scene, **off}, styles, settings.space)
-        said.append("no diffuse light and colour: nothing is shaded flat or hatched, and no line follows a shadow")
+        said.append("no diffuse light and colour: " + (
+            "tones follow how bright the picture is, nothing is hatched" if bare else
+            "under the lines the picture stays as it is, nothing is shaded flat or hatched")
+            + ", and no line follows a shadow")
     for name, sentence in (("DiffCol", "no diffuse colour: lines between colours follow the picture's"),
                            ("Depth", "no depth: no line between depths"),
                            ("Normal", "no normals: no line at creases")):
@@ -106,22 +114,44 @@ def switch_off(names, settings):
     return settings, said + saved.missing(names, settings)
 
 
-def fill(pictures):
-    """Puts into `pictures` what lacks of Cycles' passes, such that nothing is seen in it."""
-    source = pictures.get("Encre Source", pictures.get("Combined"))
-    if source is None:
+def _bare(settings):
+    """Whether surfaces are bare paper, on which light shows by tones alone."""
+    return settings.shaded and settings.every[0]["surface"] == "PAPER"
+
+
+def fill(pictures, settings):
+    """Puts into `pictures` what lacks of Cycles' passes, such that nothing is seen in it. settings: of switch_off()."""
+    name = "Encre Source" if "Encre Source" in pictures else "Combined"
+    if name not in pictures:
         return
-    one = np.ones_like(source[..., :1])
-    if not _lit(pictures):
+    source = pictures[name]
+    one, light = np.ones_like(source[..., :1]), None
+    if not lit(pictures):
         for name in ("DiffDir", "DiffInd"):
             pictures.pop(name, None)
-        pictures["Encre Diffuse"] = np.repeat(one, 3, axis=2)
+        light = _brightness(source, pictures.get("DiffCol"), pictures.get("Depth")) if _bare(settings) else None
+        pictures["Encre Diffuse"] = np.repeat(one if light is None else light, 3, axis=2)
     if "DiffCol" not in pictures:
         pictures["DiffCol"] = np.clip(np.nan_to_num(source[..., :3]), 0, 1)
+    if light is not None:  # what is neither light nor colour passes for a mirror
+        pictures[name] = np.concatenate([pictures["DiffCol"] * light, source[..., 3:]], 2)
     if "Depth" not in pictures:
         pictures["Depth"] = one
     if "Normal" not in pictures:
         pictures["Normal"] = np.zeros_like(source[..., :3])
+
+
+def _brightness(picture, color, depth):
+    """What stands for light, (height, width, 1): how bright a picture is, beside its surfaces' colour if that is known;
+    the most where nothing is, which is bare paper."""
+    light = _grey(picture)
+    if color is not None:
+        light = np.where(color.any(2, keepdims=True), light / np.maximum(_grey(color), _DARK), light)
+    return np.minimum(light if depth is None else np.where(depth < 1e9, light, _MOST), np.float32(_MOST))
+
+
+def _grey(picture):
+    return (np.maximum(np.nan_to_num(picture[..., :3]), 0) @ _LUMINANCE)[..., None]
 
 
 def listed(passes):

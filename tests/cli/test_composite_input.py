@@ -84,6 +84,34 @@ def test_depth_in_grey_and_small_letters(run, tmp_path, scene):
         assert np.array_equal(np.stack([made[letter] for letter in "RGBA"], -1), want), file
 
 
+def test_a_picture_and_depth_are_enough_for_ink_on_paper(run, tmp_path):
+    """Tones follow how bright the picture is, beside the surfaces' colour where a layer has it; nothing is paper. What
+    is not drawn on paper stays as it is, and the note says so."""
+    height, width = 180, 320
+    combined, depth = np.ones((height, width, 4), np.float32), np.full((height, width, 1), 5, np.float32)
+    combined[..., :3], depth[:, :80] = (0.3, 0.4, 0.6), 1e10
+    combined[:, 160:240, :3], combined[:, 240:, :3] = (0.9, 0.85, 0.8), (0.2, 0.05, 0.05)
+    pictures = {"Combined": combined, "Depth": depth}
+    path, out = exr.write(tmp_path / "in.exr", pictures), tmp_path / "out.exr"
+    colored = exr.write(tmp_path / "colored.exr", {**pictures, "DiffCol": combined[..., :3]})
+    quiet = ["--set=use_lines=off"]
+
+    def ink(path, preset):
+        status, _, err = run("composite", path, "-o", out, "--preset", preset, *quiet)
+        assert status == 0 and "no diffuse light" in err and "needs a render" not in err, err
+        made = exr.picture(out)
+        assert (np.ptp(made[..., :3], axis=2) == 0).all() and (made[..., 3] == 1).all()
+        return err, [1 - made[:, 80 * k + 10:80 * k + 70, 0].mean() for k in range(4)]
+
+    err, dark = ink(path, "manga")
+    assert "tones follow how bright the picture is" in err
+    assert dark[0] == dark[2] == 0 and 0.2 < dark[1] < 0.5 and dark[3] > 0.99, dark
+    assert max(ink(path, "ink_only")[1]) == 0
+    assert max(ink(colored, "manga")[1][:3]) == 0  # its light is even
+    status, _, err = run("composite", path, "-o", out, *quiet)
+    assert "the picture stays as it is, nothing is shaded flat" in err and "tones follow" not in err
+
+
 def test_cryptomatte_is_the_object_index(run, tmp_path, scene, monkeypatch):
     pictures = exr.passes(scene)
     rng = np.random.default_rng(0)
