@@ -109,7 +109,7 @@ def _read(exr, names, settings, place, camera, threads, room):
         except EncreError as error:
             others = ", ".join(sorted(set(names) - set(read))) or "nothing"
             like = next((full[0].rpartition(".")[0] for name, full in names.items() if name.lower() in _PICTURES), "")
-            cure = f"; if {like} is the picture: --layer combined={like}" if like and not _has_picture(names) else ""
+            cure = "" if _has_picture(names) else _cure(names, like)
             raise EncreError(f"{exr.path}: {error}; besides in the file: {others}{cure}") from None
         whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
                                        for name, picture in band.items()})
@@ -118,6 +118,15 @@ def _read(exr, names, settings, place, camera, threads, room):
         band.clear()
         room.give_back()
     return whole.layers, nonfinite
+
+
+def _cure(names, like):
+    """What to do where there is no picture. like: the pass that seems to be it, "": none does."""
+    if like:
+        return f"; if {like} is the picture: --layer combined={like}"
+    if names.keys() & {"Y", "y"}:
+        return "; Y is a picture in grey: save it with R, G and B"
+    return "; depth alone is no picture: save both in one file" if names.keys() == {"Depth"} else ""
 
 
 def _bands(exr, wanted, rows):

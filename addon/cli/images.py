@@ -5,6 +5,7 @@ multilayer knows EXR, png PNG. Only the command line uses this: Blender reads an
 """
 
 import contextlib
+import errno
 import importlib.metadata
 import os
 import sys
@@ -230,12 +231,16 @@ def _readable(file, last_row):
     return part > 0
 
 
+_ELSEWHERE = {os.strerror(code) for code in (errno.ENOENT, errno.ENOTDIR, errno.EACCES, errno.EPERM, errno.EROFS)}
+
+
 class WriteError(EncreError):
     """A file can't be written, which shows only after the work."""
 
 
 def unwritable(path, reason):
-    return f"{path}: can't be written ({reason}); make room there or choose another folder"
+    room = "" if reason in _ELSEWHERE else "make room there or "
+    return f"{path}: can't be written ({reason}); {room}choose another folder"
 
 
 def unwritten(path, out, part):

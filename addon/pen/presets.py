@@ -82,6 +82,8 @@ def find(name: str, folder: Path | None = None) -> Preset:
     for preset in known:
         if _key(name) in (_key(preset.id), _key(preset.name)):
             return preset
+    if os.path.isfile(name):
+        raise EncreError(f"{name}: is no preset file, whose name ends in .json; rename it or choose another")
     raise EncreError(unknown("preset", name, [preset.id for preset in known]))
 
 

@@ -33,6 +33,14 @@ def test_composite_needs_only_combined(run, tmp_path, scene, data):
     assert 0.002 < (lines[0] > 0.5).mean() < 0.3
 
 
+@pytest.mark.parametrize(("channel", "words"), [("Y", "Y is a picture in grey: save it with R, G and B"),
+                                                ("Z", "depth alone is no picture: save both in one file")])
+def test_a_file_without_a_picture_is_told_what_to_save(run, tmp_path, channel, words):
+    path = tmp_path / "in.exr"
+    multilayer.write(path, {channel: np.ones((2, 3), np.float32)}, multilayer.Window(3, 2, 0, 0, 3, 2))
+    fails(run("composite", path, "-o", tmp_path / "x.exr"), "Combined is missing", words)
+
+
 def test_check_lists_all_that_is_missing(run, tmp_path, scene):
     pictures = exr.passes(scene)
     for name in ("Depth", "Normal", "IndexOB"):
@@ -196,6 +204,7 @@ main.main(["composite", "plain.exr", "-o", "a.exr", "--set=light_denoise=NONE"])
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "water_memory"]),
     (["--preset", ""], ["unknown preset", "brush_ink, clear_line"]),
+    (["--preset", "in.exr"], ["in.exr: is no preset file", ".json"]),
     (["--threads", "-1"], ["--threads", "'-1'"]),
     (["--threads", "1025"], ["threads", "1025", "1024"]),
     (["--jobs", "999999"], ["--jobs", "999999", "256"]),
@@ -203,7 +212,7 @@ main.main(["composite", "plain.exr", "-o", "a.exr", "--set=light_denoise=NONE"])
     (["-o", "out.jpg"], ["out.jpg", ".png"]),
     (["-o", ".exr"], [".exr must be a name"]),
     (["-o", "a" * 252 + ".exr"], ["can't be written", "too long"]),
-    (["-o", "/proc/nothing/out.exr"], ["/proc/nothing/out.exr", "can't be written"]),
+    (["-o", "/proc/nothing/out.exr"], ["/proc/nothing/out.exr: can't be written", "); choose another folder"]),
 ])
 def test_composite_refuses(run, tmp_path, scene, options, words, monkeypatch):
     monkeypatch.chdir(tmp_path)
