@@ -36,7 +36,7 @@ for a thing as wide as rays find it: what a line lacks of that, or has too much,
 KINDS = """
 ## Scenes of other kinds
 
-Drawn after the last constant of FINE was chosen (`tests/judge/kinds.py`): slabs three pixels high, thin shadows,
+Of other kinds than those that FINE was made on (`tests/judge/kinds.py`): slabs three pixels high, thin shadows,
 level wires, crossing hairs, the windows of a city, stairs, railings, columns with collars, louvres, spiral stairs,
 plates close before one another, tips, balls that touch, columns of basalt, leaves cut out by alpha, bevels near and
 far, rocks with faces of all bends, pipes that bend, meshes that stand in each other, boxes that share planes, bolts,
@@ -46,8 +46,8 @@ it does in Blender. The filter is Blackman and Harris's. A bend within 2.5 pixel
 lie closer than 10 pixels may thin out, and a fold beside a strip of less than 3 pixels, with less than 6 pixels of it
 at the end, be left out. So may one side of a slit under 2 pixels, and the contour behind which the same mesh goes on,
 where another contour of it runs along it within 3.4 pixels.
-Faults that these scenes showed were cured since: on rocks and pipes folds close beside an outline were dashed, and the
-two rims of a collar met in knots.
+They were drawn unseen, a few at a time, and faults that they showed were cured since, so that they are unseen no more: on
+rocks and pipes folds close beside an outline were dashed, and the two rims of a collar met in knots.
 
 """
 WORST = """
