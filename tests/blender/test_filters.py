@@ -21,8 +21,8 @@ def both(render, case, name):
 
 
 def test_a_material_for_all_is_on_all_surfaces_as_in_cycles(render):
-    theirs, ours, where = both(render, "overridden", "clay")
-    own = both(render, "overridden", "own")[1]
+    theirs, ours, where = both(render, "clay_and_own", "clay")
+    own = both(render, "clay_and_own", "own")[1]
     there = where & (ours["Encre Index"][..., 0] > 0)
     assert there.mean() > 0.5
     np.testing.assert_allclose(ours["DiffCol"][there], theirs["DiffCol"][there], atol=2e-3)

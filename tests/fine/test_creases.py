@@ -403,7 +403,7 @@ def test_a_small_thing_that_edges_alone_show_is_whole(side):
     assert ink == pytest.approx(4 * side, rel=0.1)
 
 
-def fading(first, last, seed, rows=70, columns=200):
+def fading_fold(first, last, seed, rows=70, columns=200):
     """Layers of a wall that no mesh tells of, with a fold of so many degrees at its left, and at its right; noise of
     1 %."""
     fine = 4
@@ -426,7 +426,8 @@ def test_weak_parts_of_a_ridge_live_with_strong_ones(seed):
                  line_softness=0.0, line_paper=0.0)
 
     def lengths(first, last):
-        drawn = library.render(fading(first, last, seed), scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
+        layers = fading_fold(first, last, seed)
+        drawn = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
         on = np.concatenate([[0], (drawn.max(0)[5:-5] > 0.25).astype(int), [0]])
         return np.diff(np.flatnonzero(np.diff(on)))[::2]
 

@@ -79,8 +79,8 @@ joining and drawing lines, which take 48, in some 45 functions of about a millis
 frame takes about as long a pixel: that part is arithmetic, not memory. What was tried: to pass over calm blocks takes
 .86 of the time where there is no line and 1.05 where there are as many as here; to ink eight pixels at once, three
 times as long. With AVX-512 DOG takes .94, for which no third build is made. With all off the library itself takes 1.03.
-Dots and strokes miss what was aimed at by a quarter where copies take 18.5 ms, and where they take 15.1 by four fifths and
-more (7.2 and 19), without a function that takes more than 13 % of it.
+Dots and strokes miss what was aimed at by a quarter where copies take 18.5 ms, and where they take 15.1 by four fifths
+and more (7.2 and 19), without a function that takes more than 13 % of it.
 
 ## Beside libraries for pictures
 

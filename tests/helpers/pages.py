@@ -46,8 +46,8 @@ it does in Blender. The filter is Blackman and Harris's. A bend within 2.5 pixel
 lie closer than 10 pixels may thin out, and a fold beside a strip of less than 3 pixels, with less than 6 pixels of it
 at the end, be left out. So may one side of a slit under 2 pixels, and the contour behind which the same mesh goes on,
 where another contour of it runs along it within 3.4 pixels.
-They were drawn unseen, a few at a time, and faults that they showed were cured since, so that they are unseen no more: on
-rocks and pipes folds close beside an outline were dashed, and the two rims of a collar met in knots.
+They were drawn unseen, a few at a time, and faults that they showed were cured since, so that they are unseen no more:
+on rocks and pipes folds close beside an outline were dashed, and the two rims of a collar met in knots.
 
 """
 WORST = """

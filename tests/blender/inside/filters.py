@@ -25,7 +25,7 @@ def _earth(tree):
     return color
 
 
-def overridden(out):
+def clay_and_own(out):
     """A cube of two materials, a ball, what has no material, and a card out of which its own material cuts a disc: all
     of the one material that the view layer has, which has a style."""
     scene = _scene()
