@@ -5,6 +5,7 @@ so several modifiers lie one above another."""
 
 import bpy
 
+from ..pen.colour import LUMINANCE
 from . import versions
 
 NAME = "Encre Control"
@@ -96,7 +97,7 @@ def _below(build, given):
     named = build.node("GeometryNodeInputNamedAttribute", given["Attribute"], data_type="FLOAT_COLOR")
     color = next(socket for socket in named.outputs if socket.type == "RGBA")
     alpha = build.node("FunctionNodeSeparateColor", color).outputs["Alpha"]
-    luminance = build.vector("DOT_PRODUCT", color, (0.2126, 0.7152, 0.0722))
+    luminance = build.vector("DOT_PRODUCT", color, LUMINANCE)
     value = build.math("MULTIPLY_ADD", build.encoded(luminance), 2.0, -1.0)
     return build.math("MULTIPLY", value, build.math("MULTIPLY", alpha, given["Keep Below"]))
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..pen import colour
 from . import pictures, trees, worlds
 
 _RAY = {"Is Shadow Ray": 1.0, "Ray Length": 1.0, "Ray Depth": 1.0}
@@ -41,7 +42,7 @@ class Cutout:
             opaque = image.channels < 4 or image.alpha_mode == "NONE"
             value = np.ones(pixels.shape[:2]) if opaque else pixels[..., 3]
         else:
-            value = pictures.colors(pixels) @ (0.2126, 0.7152, 0.0722)
+            value = pictures.colors(pixels) @ colour.LUMINANCE
         return np.clip(np.rint(255 * (self.scale * value + self.offset)), 0, 255).astype(np.uint8)
 
     def placed(self, uvs):

@@ -225,8 +225,7 @@ class Scene:
         where something is seen through (height, width). lit: gets the lamps' highlights, None: there are none."""
         objects, clear = self.objects, self.objects.clear.any()
 
-        def works(wanted, beyond=None):
-            return self._works(view, projection, frame, size, clip, wanted, beyond)
+        works = self._works_of(view, projection, frame, size, clip)
 
         def light(depth, looks):
             if self.light.dark:
@@ -258,18 +257,23 @@ class Scene:
             diffuse = yield light(depth, looks)
         return maps, looks, diffuse[0] if diffuse else None, changed
 
-    def _works(self, view, projection, frame, size, clip, wanted, beyond):
-        """(pictures that the rasteriser fills, the works that do and tell what materials look like)"""
+    def _works_of(self, view, projection, frame, size, clip):
+        """A function of what is wanted, and beyond what: (pictures that the rasteriser fills, the works that do and
+        tell what materials look like)."""
         channels, (width, height) = self.channels, size
-        into = {"creases": np.zeros((height, width, 5), np.float32)[..., :4]} if "creases" in wanted else {}
         meshes = [mesh if ribbons is None else ribbons.turned(mesh, view, projection)
                   for mesh, ribbons in zip(self.objects.meshes, self.objects.ribbons, strict=True)]
-        raster = library.load().raster_work(meshes, view, projection, frame, size, *clip, channels,
-                                            [*wanted, "attributes"] if channels else wanted, beyond, into)
-        maps = raster.result()  # its arrays, which the others read
-        return maps, [raster, library.load().material_work(
-            self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame,
-            self._looks)]
+
+        def works(wanted, beyond=None):
+            into = {"creases": np.zeros((height, width, 5), np.float32)[..., :4]} if "creases" in wanted else {}
+            raster = library.load().raster_work(meshes, view, projection, frame, size, *clip, channels,
+                                                [*wanted, "attributes"] if channels else wanted, beyond, into)
+            maps = raster.result()  # its arrays, which the others read
+            return maps, [raster, library.load().material_work(
+                self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame,
+                self._looks)]
+
+        return works
 
     def _lit_depth(self, maps, view, projection, frame, size, clip):
         """The steps to where light falls (height, width): on strands as they are to lamps, tubes."""
@@ -311,11 +315,8 @@ class Scene:
         where, shown = np.zeros(maps["depth"].shape, bool), None
         for mirror in found:
             behind, beyond = view @ mirror.turn, np.where(mirror.where, maps["depth"], np.float32(1e10))
-
-            def works(wanted, beyond=beyond, behind=behind):
-                return self._works(behind, projection, frame, size, clip, wanted, beyond)
-
-            theirs, first = works(["depth", "object", "material", "shading"])
+            works = self._works_of(behind, projection, frame, size, clip)
+            theirs, first = works(["depth", "object", "material", "shading"], beyond)
             _, look = yield first
             open_ = self.objects.clear[theirs["material"].astype(np.int32)] & (look["surface"][..., 0] < _SHOWS)
             if open_.any():

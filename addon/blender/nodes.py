@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..pen.colour import LUMINANCE
 from ..pen.job import Program
 from ..pen.program import Builder, TooLong
 from . import pictures, trees, unseen
@@ -13,7 +14,6 @@ from .patterns import Patterns
 
 _MOST_SOURCES = 5
 _DEEPEST = 160  # nodes one behind the other: each takes five of the thousand calls that Python has wait for others
-_GREY = (0.2126, 0.7152, 0.0722)
 
 
 @dataclass
@@ -163,7 +163,7 @@ class Compiler(Patterns):
         if isinstance(value, Straight):
             value = self._scalars(value)
         if isinstance(value, tuple):
-            weights = _GREY if source[1].type == "RGBA" else (1 / 3,) * 3
+            weights = LUMINANCE if source[1].type == "RGBA" else (1 / 3,) * 3
             return self._dot(value[:3], weights)
         return value
 

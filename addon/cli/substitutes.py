@@ -7,6 +7,7 @@ Only Combined can't be replaced. To know another pass by a word of --layer, add 
 import numpy as np
 
 from ..pen import saved, slim
+from ..pen.colour import LUMINANCE
 from ..pen.errors import EncreError, unknown
 from ..pen.settings import Settings
 
@@ -29,7 +30,6 @@ BOXES = {
     "IndexOB": ("Data > Indexes > Object Index, or Cryptomatte > Object", "outlines of objects"),
     "IndexMA": ("Data > Indexes > Material Index, or Cryptomatte > Material", "lines between materials"),
 }
-_LUMINANCE = np.array((0.2126, 0.7152, 0.0722), np.float32)
 _DARK, _MOST = 0.02, 4  # a colour so dark tells nothing of the light; more light than that is as good as that
 _SINGLE = ("Depth", "IndexOB", "IndexMA")  # some renderers save them as grey in R, G and B
 _CRYPTO = {"IndexOB": "CryptoObject00", "IndexMA": "CryptoMaterial00"}
@@ -121,10 +121,10 @@ def _bare(settings):
 
 def fill(pictures, settings):
     """Puts into `pictures` what lacks of Cycles' passes, such that nothing is seen in it. settings: of switch_off()."""
-    name = "Encre Source" if "Encre Source" in pictures else "Combined"
-    if name not in pictures:
+    shown = "Encre Source" if "Encre Source" in pictures else "Combined"
+    if shown not in pictures:
         return
-    source = pictures[name]
+    source = pictures[shown]
     one, light = np.ones_like(source[..., :1]), None
     if not lit(pictures):
         for name in ("DiffDir", "DiffInd"):
@@ -134,7 +134,7 @@ def fill(pictures, settings):
     if "DiffCol" not in pictures:
         pictures["DiffCol"] = np.clip(np.nan_to_num(source[..., :3]), 0, 1)
     if light is not None:  # what is neither light nor colour passes for a mirror
-        pictures[name] = np.concatenate([pictures["DiffCol"] * light, source[..., 3:]], 2)
+        pictures[shown] = np.concatenate([pictures["DiffCol"] * light, source[..., 3:]], 2)
     if "Depth" not in pictures:
         pictures["Depth"] = one
     if "Normal" not in pictures:
@@ -151,7 +151,7 @@ def _brightness(picture, color, depth):
 
 
 def _grey(picture):
-    return (np.maximum(np.nan_to_num(picture[..., :3]), 0) @ _LUMINANCE)[..., None]
+    return (np.maximum(np.nan_to_num(picture[..., :3]), 0) @ np.float32(LUMINANCE))[..., None]
 
 
 def listed(passes):

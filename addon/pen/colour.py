@@ -5,6 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+LUMINANCE = (0.2126, 0.7152, 0.0722)  # of red, green and blue, linear, with sRGB's primaries
+
 
 def encode_srgb(linear: np.ndarray) -> np.ndarray:
     """IEC 61966-2-1, 0…1 in and out; what lies outside is clipped."""
@@ -56,7 +58,7 @@ def _to_cones(space):
 
 def control_values(linear: np.ndarray) -> np.ndarray:
     """Control values of scene-linear colours (n, 3 or more): -1 black ... 0 mid grey ... 1 white."""
-    grey = np.asarray(linear, np.float64)[:, :3] @ (0.2126, 0.7152, 0.0722)
+    grey = np.asarray(linear, np.float64)[:, :3] @ LUMINANCE
     value = 2 * _encoded(grey) - 1
     return np.where(np.abs(value) < 1 / 128, 0, value).astype(np.float32)  # 8-bit mid grey is neutral
 

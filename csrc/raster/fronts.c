@@ -6,31 +6,8 @@
 #include "raster/fronts.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { HALVINGS = 12 };
-
-static int before(const void *a, const void *b)
-{
-	const front_ask *one = a, *other = b;
-	if (one->piece != other->piece)
-		return one->piece < other->piece ? -1 : 1;
-	return one->y != other->y ? (one->y < other->y ? -1 : 1) : one->way < other->way ? -1 : one->way > other->way;
-}
-
-/* The first of n that is not before this piece and row. */
-static int first_of(const front_ask *ask, int n, uint32_t piece, int y)
-{
-	int low = 0;
-	while (n > 0) {
-		int half = n / 2;
-		const front_ask *a = ask + low + half;
-		bool less = a->piece < piece || (a->piece == piece && a->y < y);
-		low += less ? half + 1 : 0;
-		n = less ? n - half - 1 : half;
-	}
-	return low;
-}
 
 /* Which share of a way a triangle covers; false: none. */
 static bool covers(const corner c[3], const double from[2], bool down, double share[2])
@@ -73,24 +50,23 @@ static void add_side(front_way *w, const corner c[3], bool first)
 	w->side[w->n++] = s;
 }
 
-static void gather(const raster *r, int i, fronts *room, int n)
+static void gather(const raster *r, int i, fronts *room, uint32_t n)
 {
 	const part *part = NULL;
 	for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
 		uint32_t number = r->entry[k], piece = r->piece[number];
-		int at = first_of(room->ask, n, piece, 0);
+		uint32_t at = asks_first(room->ask, n, sizeof(ask), piece, 0);
 		if (at == n || room->ask[at].piece != piece)
 			continue;
 		outline o;
 		part = geometry_part(&r->geometry, part, number);
 		if (part->mesh->kind != ENCRE_TRIANGLES || !geometry_outline(part, number - part->first, &r->room, &o))
 			continue;
-		for (at = first_of(room->ask, n, piece, o.y0 - 1);
+		for (at = asks_first(room->ask, n, sizeof(ask), piece, o.y0 - 1);
 		     at < n && room->ask[at].piece == piece && room->ask[at].y < o.y1; at++) {
-			const front_ask *a = room->ask + at;
-			front_way *w = room->way + a->way;
+			front_way *w = room->way + room->ask[at].way / 2;
 			if (w->y + w->down >= o.y0 && w->x + !w->down >= o.x0 && w->x < o.x1)
-				add_side(w, o.corner, a->first);
+				add_side(w, o.corner, room->ask[at].way % 2 == 0);
 		}
 	}
 }
@@ -119,10 +95,10 @@ void fronts_find(const raster *r, int i, fronts *room, uint32_t n)
 	bool perspective = r->job->projection[14] != 0;
 	for (uint32_t k = 0; k < 2 * n; k++) {
 		const front_way *w = room->way + k / 2;
-		room->ask[k] = (front_ask){w->piece[k % 2], k / 2, w->y, k % 2 == 0};
+		room->ask[k] = (ask){w->piece[k % 2], k, w->y};
 	}
-	qsort(room->ask, (size_t)n * 2, sizeof *room->ask, before);
-	gather(r, i, room, (int)(2 * n));
+	asks_sort(room->ask, 2 * n, sizeof(ask));
+	gather(r, i, room, 2 * n);
 	for (uint32_t k = 0; k < n; k++) {
 		front_way *w = room->way + k;
 		double low = 0, high = 1;

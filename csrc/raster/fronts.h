@@ -3,6 +3,7 @@
 #ifndef ENCRE_FRONTS_H
 #define ENCRE_FRONTS_H
 
+#include "raster/asks.h"
 #include "raster/raster.h"
 
 enum { FRONTS_WAYS = 256, FRONTS_SIDES = 16 }; /* that are looked at together, and triangles of both pieces on each */
@@ -23,17 +24,10 @@ typedef struct front_way {
 	double share; /* what was found; 0: nothing */
 } front_way;
 
-/* Which triangles are looked for: of a piece, on a way. */
-typedef struct front_ask {
-	uint32_t piece, way;
-	int y;
-	bool first;
-} front_ask;
-
 /* What a thread needs. */
 typedef struct fronts {
 	front_way way[FRONTS_WAYS];
-	front_ask ask[2 * FRONTS_WAYS];
+	ask ask[2 * FRONTS_WAYS]; /* `way`: twice that above, and 1 more of what is in front at its second pixel */
 } fronts;
 
 /* Finds the shares of the first n ways, of band `i`. */

@@ -10,7 +10,6 @@
 #include "raster/contours.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 static const float through = 180; /* degrees: a line whatever angle is asked for */
 
@@ -31,53 +30,29 @@ static void corners_of(const raster *r, uint32_t number, corner c[3])
 
 /* ---- each piece alone -------------------------------------------------------------------------------------- */
 
-static int before(const void *a, const void *b)
-{
-	const alone *one = a, *other = b;
-	if (one->piece != other->piece)
-		return one->piece < other->piece ? -1 : 1;
-	if (one->y != other->y)
-		return one->y < other->y ? -1 : 1;
-	return one->way < other->way ? -1 : one->way > other->way;
-}
-
-/* The first of what is looked for that is not before this piece and row. */
-static int first_of(const alone *look, int n, uint32_t piece, int y)
-{
-	int low = 0;
-	while (n > 0) {
-		int half = n / 2;
-		const alone *l = look + low + half;
-		bool less = l->piece < piece || (l->piece == piece && l->y < y);
-		low += less ? half + 1 : 0;
-		n = less ? n - half - 1 : half;
-	}
-	return low;
-}
-
-static void draw_alone(const raster *r, int i, const band *b, alone *look, int n)
+static void draw_alone(const raster *r, int i, const band *b, alone *look, uint32_t n)
 {
 	const part *part = NULL;
-	qsort(look, (size_t)n, sizeof *look, before);
+	asks_sort(look, n, sizeof *look);
 	for (size_t k = r->list[i]; k < r->list[i + 1]; k++) {
 		uint32_t number = r->entry[k], piece = r->piece[number], twin;
-		int at = first_of(look, n, piece, 0);
-		if (at == n || look[at].piece != piece)
+		uint32_t at = asks_first(look, n, sizeof *look, piece, 0);
+		if (at == n || look[at].of.piece != piece)
 			continue;
 		outline o;
 		part = geometry_part(&r->geometry, part, number);
 		if (part->mesh->kind != ENCRE_TRIANGLES || !geometry_outline(part, number - part->first, &r->room, &o))
 			continue;
-		for (at = first_of(look, n, piece, o.y0); at < n && look[at].piece == piece && look[at].y < o.y1;
-		     at++) {
+		for (at = asks_first(look, n, sizeof *look, piece, o.y0);
+		     at < n && look[at].of.piece == piece && look[at].of.y < o.y1; at++) {
 			alone *l = look + at;
 			if (l->x < o.x0 || l->x >= o.x1)
 				continue;
 			band pixel = *b;
 			pixel.x0 = l->x;
 			pixel.x1 = l->x + 1;
-			pixel.y0 = l->y;
-			pixel.y1 = l->y + 1;
+			pixel.y0 = l->of.y;
+			pixel.y1 = l->of.y + 1;
 			pixel.depth = &l->depth;
 			pixel.front = &l->number;
 			pixel.twin = &twin;
@@ -198,9 +173,10 @@ static void settle(const raster *r, int i, const band *b, meets *room, uint32_t 
 	uint32_t n_refined = 0;
 	if (n == 0)
 		return;
-	draw_alone(r, i, b, look, (int)(2 * n));
+	draw_alone(r, i, b, look, 2 * n);
 	for (uint32_t k = 0; k < 2 * n; k++)
-		*(look[k].way % 2 ? &room->way[look[k].way / 2].at_one : &room->way[look[k].way / 2].at_other) = k;
+		*(look[k].of.way % 2 ? &room->way[look[k].of.way / 2].at_one
+				     : &room->way[look[k].of.way / 2].at_other) = k;
 	for (uint32_t k = 0; k < n; k++) {
 		const meeting *m = room->way + k;
 		float *crease = crease_of(r, m), *mark = mark_of(r, m);
@@ -263,8 +239,8 @@ void meets_draw(const raster *r, int i, const band *b, int end, meets *room)
 				if (!m.may && (!mark_of(r, &m) || contour_mark(*mark_of(r, &m)) != 0))
 					continue;
 				room->way[n] = m;
-				room->look[2 * n] = (alone){r->piece[one], 2 * n, NOTHING, qx, qy, INFINITY};
-				room->look[2 * n + 1] = (alone){r->piece[other], 2 * n + 1, NOTHING, x, y, INFINITY};
+				room->look[2 * n] = (alone){{r->piece[one], 2 * n, qy}, NOTHING, qx, INFINITY};
+				room->look[2 * n + 1] = (alone){{r->piece[other], 2 * n + 1, y}, NOTHING, x, INFINITY};
 				if (++n < MEETS_WAYS)
 					continue;
 				settle(r, i, b, room, n);

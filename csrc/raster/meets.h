@@ -3,14 +3,16 @@
 #ifndef ENCRE_MEETS_H
 #define ENCRE_MEETS_H
 
+#include "raster/asks.h"
 #include "raster/fronts.h"
 
 enum { MEETS_WAYS = 2048 }; /* between pixels, that are looked at together */
 
 /* What is known of a piece at a pixel: which of its triangles would be in front, were it alone. */
 typedef struct alone {
-	uint32_t piece, way, number;
-	int x, y;
+	ask of; /* `way`: twice that of the meeting, and 1 more at its first pixel */
+	uint32_t number;
+	int x;
 	float depth;
 } alone;
 

@@ -11,9 +11,10 @@ import exr
 import numpy as np
 import pytest
 from command import OFF, SIZE, expected, fails, finish, start
-from encre.cli import composite, denoiser, multilayer
+from encre.cli import composite, denoiser, multilayer, substitutes
 from encre.pen import metadata
 from encre.pen.job import Camera, Frame
+from encre.pen.settings import Settings
 
 
 def test_composite_needs_only_combined(run, tmp_path, scene, data):
@@ -118,6 +119,11 @@ def test_a_picture_and_depth_are_enough_for_ink_on_paper(run, tmp_path):
     assert max(ink(colored, "manga")[1][:3]) == 0  # its light is even
     status, _, err = run("composite", path, "-o", out, *quiet)
     assert "the picture stays as it is, nothing is shaded flat" in err and "tones follow" not in err
+    settings = substitutes.switch_off(pictures, Settings({**Settings({}).scene, "surface": "PAPER"}))[0]
+    substitutes.fill(pictures, settings)
+    shown = pictures["DiffCol"] * pictures["Encre Diffuse"]
+    # nothing passes for a mirror
+    assert np.allclose(pictures["Combined"][..., :3], shown) and "DiffInd" not in pictures
 
 
 def test_cryptomatte_is_the_object_index(run, tmp_path, scene, monkeypatch):

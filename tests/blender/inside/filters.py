@@ -3,13 +3,7 @@
 
 import bpy
 from quick import _cut, _leaf, _matt, _new, _square
-from studio import cube, fact, material, plane, shoot, stage, world
-
-
-def _both(scene, out, name):
-    for source in ("CYCLES", "ENCRE"):
-        scene.encre.layer_source = source
-        fact("failed", shoot(out, f"{name} {source}"))
+from studio import both, cube, material, plane, stage, world
 
 
 def _scene():
@@ -41,9 +35,9 @@ def clay_and_own(out):
     scene.encre.styles.add().name = "Of clay"
     clay = _matt("Clay", _earth)
     clay.encre.style = "Of clay"
-    _both(scene, out, "own")
+    both(scene, out, "own")
     scene.view_layers[0].material_override = clay
-    _both(scene, out, "clay")
+    both(scene, out, "clay")
 
 
 def filtered(out):
@@ -61,15 +55,15 @@ def filtered(out):
     settings = fur.modifiers.new("Hair", "PARTICLE_SYSTEM").particle_system.settings
     settings.type, settings.count, settings.hair_length, settings.radius_scale = "HAIR", 60, 0.4, 0.1
     layer.use_pass_emit = layer.use_pass_glossy_direct = layer.use_pass_glossy_color = True
-    _both(scene, out, "all")
+    both(scene, out, "all")
     scene.cycles.film_exposure = 0.3
-    _both(scene, out, "exposed")
+    both(scene, out, "exposed")
     scene.cycles.film_exposure = 1
     for name in ("use_sky", "use_strand", "use_solid"):
         setattr(layer, name, False)
-        _both(scene, out, name)
+        both(scene, out, name)
         setattr(layer, name, True)
     if hasattr(layer, "world_override"):
         world(scene, (0.6, 0.2, 0.1))
         layer.world_override, scene.world = scene.world, None
-        _both(scene, out, "world_override")
+        both(scene, out, "world_override")

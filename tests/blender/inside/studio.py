@@ -143,3 +143,10 @@ def set_all(scene, on):
 
     for switch in settings.switches():
         setattr(scene.encre, switch, on)
+
+
+def both(scene, out, name):
+    """Shoots a scene by Cycles and by Encre alone."""
+    for source in ("CYCLES", "ENCRE"):
+        scene.encre.layer_source = source
+        fact("failed", shoot(out, f"{name} {source}"))

@@ -4,13 +4,7 @@
 import bpy
 import numpy as np
 from quick import _new as new
-from studio import cube, fact, material, shoot, stage
-
-
-def _both(scene, out, name):
-    for source in ("CYCLES", "ENCRE"):
-        scene.encre.layer_source = source
-        fact("failed", shoot(out, f"{name} {source}"))
+from studio import both, cube, fact, material, shoot, stage
 
 
 def _small():
@@ -39,13 +33,13 @@ def no_map(out):
         texture = new(tree, "TexImage")
         texture.image, texture.extension = image, "EXTEND"
         _colour(name, texture.outputs["Color"])
-    _both(scene, out, "none")
+    both(scene, out, "none")
     named = new(tree, "UVMap")
     named.uv_map = "Map"
     tree.links.new(named.outputs[0], texture.inputs["Vector"])
     for name in ("Ball", "Ground"):
         bpy.data.objects[name].data.uv_layers.new(name="Map" if name == "Ball" else "Other")
-    _both(scene, out, "other")
+    both(scene, out, "other")
 
 
 def rings(out):
@@ -67,7 +61,7 @@ def rings(out):
     tree.links.new(one.outputs[0], other.inputs[0])
     tree.links.new(other.outputs[0], one.inputs[0])
     _colour("Grey", other.outputs[0])
-    _both(scene, out, "rings")
+    both(scene, out, "rings")
 
 
 def _row(tree, n, operation="SINE"):
@@ -133,4 +127,4 @@ def holes(out):
     cube("Other", (-0.9, -0.5, 0.4), 0.4, collection=own)
     layer = bpy.context.view_layer.layer_collection
     layer.children["Held"].holdout = bpy.data.objects["Ball"].is_holdout = True
-    _both(scene, out, "holes")
+    both(scene, out, "holes")
