@@ -302,7 +302,7 @@ def controls():
                         "Cat eye", "Letters"], -0.55)
     # The glare of the lamp eats at the lines of the kerb beside it, and leaves enough for what stands there to have a
     # foot.
-    paint("intensity", ["Kerb"], lambda co: -0.2 * ramp((co - LAMP).length, 1.5, 0.8))
+    paint("intensity", ["Kerb"], lambda co: -0.06 * ramp((co - LAMP).length, 1.5, 0.8))
     paint("thickness", ["Kerb"], lambda co: min(-0.6 * ramp((co - LAMP).length, 1.5, 0.8),
                                                 -0.45 * ramp(distance(co), 6, 18)))
     # What is wet runs a little over its outline.
