@@ -187,7 +187,7 @@ static void find_crumbs(void *data, int first, int end, int thread)
 		bool edge = s->found.family == FAMILY_CREASE;
 		int least = t->is->crumb, count = hanging(t->n, i, edge ? whole_edge : least);
 		s->linked.crumb = count < least;
-		if (edge)
+		if (edge && !s->linked.crumb)
 			s->placed.eased =
 				thinned(s->placed.eased, (float)(count - least + 1) / (float)(whole_edge - least + 1));
 	}
