@@ -98,8 +98,10 @@ def steps(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: 
     if also:
         there[also.y:also.y + also.height, also.x:also.x + also.width] = True
     images = {"color": picture, "albedo": albedo, "normal": normal}
-    yield from _clean(out, images, there, threads, home, at, scale, fast)
-    if surface and there.any():
+    if not there.any():
+        return out
+    yield from _clean(out, images, _box(there), threads, home, at, scale, fast)
+    if surface:
         even.even(out, picture, normal, *surface)
     return out
 
@@ -110,32 +112,52 @@ def seen(picture: np.ndarray, where: np.ndarray, kind: str, threads: int = 0, ke
     (height, width) they show it. threads, keep_on, home, at: as in denoise(). EncreError: the denoiser failed."""
     def steps():
         out = np.array(picture, np.float32)
-        yield from _clean(out, {kind: picture}, where, threads, home, at)
+        for box in boxes(where):
+            yield from _clean(out, {kind: picture}, box, threads, home, at)
         out[~where] = picture[~where]
         return out
 
     return background.run(steps(), 1, keep_on and (lambda _: keep_on()))
 
 
-def _clean(out, images, there, threads, home, at, scale=1.0, fast=False):
-    """Steps to the first of the images {what it is: picture} without noise, guided by the others, in `out`: in the
-    bounding box of `there`."""
-    height, width = there.shape
-    rows, columns = np.flatnonzero(there.any(1)), np.flatnonzero(there.any(0))
-    if not rows.size:
-        return
-    across = _reach(columns[0], columns[-1] + 1, _PAD, _PAD, at[0])
+def _clean(out, images, box, threads, home, at, scale=1.0, fast=False):
+    """Steps to the first of the images {what it is: picture} without noise, guided by the others, in a box of `out`."""
+    (height, width), (rows, columns) = out.shape[:2], box
+    across = _reach(columns.start, columns.stop, _PAD, _PAD, at[0])
     device = _Device(_library(home), threads)
-    for first, last in _strips(rows[0], rows[-1] + 1, len(across)):
-        down = _reach(first, last, _PAD if first == rows[0] else OVERLAP,
-                      _PAD if last == rows[-1] + 1 else OVERLAP, at[1])
+    for first, last in _strips(rows.start, rows.stop, len(across)):
+        down = _reach(first, last, _PAD if first == rows.start else OVERLAP, _PAD if last == rows.stop else OVERLAP,
+                      at[1])
         place = np.ix_(_mirrored(down, height), _mirrored(across, width))
         cut = {name: image[place] for name, image in images.items()}
         (clean,) = yield [_Filter(device, cut, scale, fast).work()]
-        top, left = first - down[0], columns[0] - across[0]
-        out[first:last, columns[0]:columns[-1] + 1] = clean[
-            top:top + last - first, left:left + columns[-1] + 1 - columns[0]]
+        top, left = first - down[0], columns.start - across[0]
+        out[first:last, columns] = clean[top:top + last - first, left:left + columns.stop - columns.start]
         del cut, clean  # pictures of a frame each
+
+
+def boxes(there: np.ndarray, top: int = 0, left: int = 0) -> list[tuple[slice, ...]]:
+    """(rows, columns) of boxes that hold all of `there` (height, width), which begins at a row and a column: more than
+    one where so much of nothing lies between them that they take less work."""
+    rows, columns = (_runs(there.any(axis)) for axis in (1, 0))
+    if len(rows) == len(columns) == 1:
+        return [tuple(slice(first + run.start, first + run.stop)
+                      for first, run in ((top, rows[0]), (left, columns[0])))]
+    return [box for down in rows for across in columns
+            for box in boxes(there[down, across], top + down.start, left + across.start)]
+
+
+def _box(there):
+    """(rows, columns) of all of `there`, which is not empty."""
+    rows, columns = (np.flatnonzero(there.any(axis)) for axis in (1, 0))
+    return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+
+
+def _runs(filled):
+    """Slices of what is filled; between two of them lies more than is looked at around both."""
+    at = np.flatnonzero(filled)
+    last = np.flatnonzero(np.diff(at) > 2 * _PAD)
+    return [slice(run[0], run[-1] + 1) for run in np.split(at, last + 1) if run.size]
 
 
 def _reach(first, last, before, after, offset):

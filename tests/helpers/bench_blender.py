@@ -22,9 +22,9 @@ from encre.cli import inside, tools
 
 ROOT = Path(__file__).parents[2]
 PLAIN = "Cycles alone"
-# Lines of the shapes alone, as the others draw them.
+# Lines of the shapes alone, not of what mirrors show, as the others draw them.
 LINES = dict(layer_source="CYCLES", light_source="CYCLES", use_shading=False, use_smudging=False, use_hatching=False,
-             save_layers="OFF", edge_color=0.0, edge_light=0.0)
+             save_layers="OFF", edge_color=0.0, edge_light=0.0, edge_seen=0.0)
 
 
 @contextlib.contextmanager

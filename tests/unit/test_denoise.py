@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from encre.pen import denoise
 from encre.pen.errors import Cancelled
+from hypothesis import given
+from hypothesis import strategies as st
 
 SPEC = importlib.util.find_spec("bpy")
 HOME = SPEC and str(Path(SPEC.origin).parent)
@@ -112,6 +114,23 @@ def test_scale_and_draft():
     assert wrong(scale=0.5) < 1.3 * good and wrong(fast=True) < 2 * good
     dark = [given[0] * np.float32(1e-3), *given[1:]]
     assert np.abs(1e3 * denoise.denoise(*dark, 2, home=HOME, scale=1e3) - light).mean() < 1.1 * good
+
+
+@given(st.integers(0, 2**32 - 1), st.floats(0, 1))
+def test_boxes_hold_all_and_are_far_from_each_other(seed, share):
+    """As far as is looked at around both of two."""
+    rng = np.random.default_rng(seed)
+    there = np.zeros(rng.integers(1, 400, 2), bool)
+    for row, column in rng.integers(0, there.shape, (int(12 * share), 2)):
+        there[row:row + rng.integers(1, 80), column:column + rng.integers(1, 80)] = True
+    boxes, covered = denoise.boxes(there), np.zeros(there.shape, int)
+    for rows, columns in boxes:
+        covered[rows, columns] += 1
+        inside = there[rows, columns]
+        assert all(line.any() for line in (inside[0], inside[-1], inside[:, 0], inside[:, -1])), "none is too large"
+        grown = [slice(max(0, at.start - 64), at.stop + 64) for at in (rows, columns)]
+        assert there[tuple(grown)].sum() == inside.sum() or len(boxes) == 1
+    assert covered.max(initial=0) <= 1 and (covered[there] == 1).all()
 
 
 def test_what_mirrors_show_is_clean_where_they_are():
