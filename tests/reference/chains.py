@@ -146,11 +146,12 @@ def spurs(t, shape):
 
 
 def short(t, least, shape, numbers):
-    """Sites of chains that begin and end in the open and are shorter than `least`, by site, at their first end;
-    outlines, between `numbers` of things, and marks are none, but for contours that the mesh alone tells; cracks by
-    themselves likewise; and of what goes round a colour, some of it weak, and is shorter than twice that at a weak one,
-    or round light and four times, or round a colour and 6.5 pixels; unsure; and of all which share of the width is
-    left: less than 1 where they go round a colour in less than 9.5 pixels."""
+    """Sites that hang together, begin and end in the open and are in all shorter than `least`, by site, at one of their
+    ends, edges of meshes as much shorter as they are narrower than others; outlines, between `numbers` of things, and
+    marks are none, but for contours that the mesh alone tells; cracks by themselves likewise; and of what goes round a
+    colour, some of it weak, and is shorter than twice that at a weak one, or round light and four times, or round a
+    colour and 6.5 pixels; unsure; and of all which share of the width is left: less than 1 where they go round a colour
+    in less than 9.5 pixels."""
     gone, unsure, share = set(), set(), np.ones(len(t))
     row, column = t.site["row"], t.site["column"]
     beyond = ((row + (t.site["axis"] != ROW)).clip(0, shape[0] - 1),
@@ -161,20 +162,28 @@ def short(t, least, shape, numbers):
     def free(i):
         return i not in gone and t.is_end(i) and not t.at_border(i, shape)
 
+    def inked(i, j):
+        edges = t.family[i] == t.family[j] == NUMBER["crease"]
+        return t.apart(i, j) * (1 - edges * (float(t.site["eased"][i]) + float(t.site["eased"][j])) / 510)
+
     for i in range(len(t)):
         lone = t.family[i] in (NUMBER["crack"], NUMBER["crease"]) and not (meant[i] or t.links[i] or t.dropped[i])
         if lone and least[i] > 0 and not t.at_border(i, shape):
             gone.add(i)
         if not free(i):
             continue
-        run = t.walk(i, t.links[i][0])
-        length = sum(t.apart(*pair) for pair in zip(run, run[1:]))  # noqa: B905
-        if meant[run].any() or not free(run[-1]):
+        piece, length = [i], 0.0
+        for k in piece:
+            piece += [j for j in t.links[k] if j not in piece]
+            length += sum(inked(k, j) for j in t.links[k]) / 2
+            if length > least[i] + 1:
+                break
+        if meant[piece].any() or any(len(t.links[k]) == 1 and not free(k) for k in piece):
             continue
-        if abs(length - least[i]) < CLOSE * len(run):
-            unsure |= set(run)
+        if abs(length - least[i]) < CLOSE * len(piece):
+            unsure |= set(piece)
         if length < least[i]:
-            gone |= set(run)
+            gone |= set(piece)
     for run in chains(t):
         rank = t.rank[run[0]]
         if run[0] != run[-1] or any(len(t.links[i]) != 2 for i in run) or rank not in (COLOR, LIGHT) or (

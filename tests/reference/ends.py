@@ -86,18 +86,19 @@ def _beside(a, b):
 class End:
     site: int
     way: np.ndarray  # unit, ahead
+    over: float      # pixels over which it is taken
     aims: list = field(default_factory=list)  # (cost, site), the cheapest first
     taken: bool = False
 
 
 def _direction(t, i):
-    """From the first site of its chain that is 3 pixels away, or the last."""
+    """From the first site of its chain that is 3 pixels away, or the last, and how far that is."""
     before, at = i, t.links[i][0]
     while t.apart(i, at) < 3 and (ahead := t.next(before, at)) is not None:
         before, at = at, ahead
     way = t.at[i] - t.at[at]
     length = np.hypot(*way)
-    return way / length if length > 0 else way
+    return way / length if length > 0 else way, length
 
 
 def _own(t, i):
@@ -177,7 +178,8 @@ def _join(t, a, b, picture, doubt):
     if meet < -CLOSE:
         return None
     plain = min(4 - cost, abs(sine) - 0.34)
-    margin = min(max(plain, plain if plain > CLOSE else picture.wedge(high, t.at[i], t.at[j], corner)),
+    told = min(a.over, b.over) - 1.5
+    margin = min(max(plain, plain if plain > CLOSE else min(told, picture.wedge(high, t.at[i], t.at[j], corner))),
                  meet, -_barred(t, i, corner), -_barred(t, j, corner))
     if abs(margin) < 10 * CLOSE:
         doubt.update((i, j))
@@ -194,7 +196,7 @@ def lead_on(t, layers, params):
     """(links (i, j), corners [(i, j, place)], unsure sites): ends are joined two by two, the cheapest first, unless
     one of them should rather go to something else; then each goes on to what lies ahead of it."""
     picture, doubt = Picture(layers, params), set()
-    ends = {i: End(i, _direction(t, i)) for i in range(len(t)) if t.is_end(i)}
+    ends = {i: End(i, *_direction(t, i)) for i in range(len(t)) if t.is_end(i)}
     for end in ends.values():
         _aims(t, end, picture, doubt)
     pairs = []

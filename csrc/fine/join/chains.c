@@ -122,38 +122,68 @@ static void drop_ring(const fine *n, uint32_t i)
 	}
 }
 
+/* How far from one site to the next; of an edge of a mesh as if it were as wide as others, for the little that is left
+ * of one beside an outline is a speck. */
+static float inked(const fine *n, uint32_t i, uint32_t j)
+{
+	const site *s = n->site + i, *t = n->site + j;
+	float left = 1;
+	if (s->found.family == FAMILY_CREASE && t->found.family == FAMILY_CREASE)
+		left -= (float)(s->placed.eased + t->placed.eased) / 510;
+	return left * sqrtf(apart2(s, t));
+}
+
+/* Whether all that hangs together with a free end is too short for a line and free at all its ends: it is in `found`,
+ * marked as a crumb until drop_if_short() goes on. */
+static bool is_short(const fine *n, uint32_t i, uint32_t *found, uint32_t *count)
+{
+	float least = least_length(n->f, n->site + i), length = 0;
+	found[0] = i;
+	*count = 1;
+	n->site[i].linked.crumb = true;
+	for (uint32_t k = 0; k < *count && length < least; k++) {
+		uint32_t at = found[k];
+		if (is_meant(n, n->site + at) || (links_at(n, at) == 1 && !ISA(leads_nowhere)(n, at)))
+			return false;
+		for (uint32_t link = n->at[at]; link < n->at[at + 1]; link++) {
+			uint32_t next = n->to[link];
+			length += inked(n, at, next) / 2; /* it is met from both ends */
+			if (n->site[next].linked.crumb)
+				continue;
+			n->site[next].linked.crumb = true;
+			found[(*count)++] = next;
+		}
+	}
+	return length < least;
+}
+
+static void drop_if_short(const fine *n, uint32_t i, uint32_t *found)
+{
+	uint32_t count;
+	bool gone = is_short(n, i, found, &count);
+	for (uint32_t k = 0; k < count; k++) {
+		n->site[found[k]].linked.crumb = false;
+		n->site[found[k]].linked.dropped |= gone;
+	}
+}
+
 /* Drops what begins and ends in the open and is too short for a line. */
 int32_t ISA(fine_drop_short)(fine *n)
 {
 	int32_t code = ENCRE_OK;
+	uint32_t *found = late_take(&n->f->late, n->count, sizeof *found);
+	if (!found)
+		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
 		if (is_lone(n, i))
 			n->site[i].linked.dropped = true;
 		if (may_go_round(n->site + i))
 			drop_ring(n, i);
-		if (!ISA(leads_nowhere)(n, i))
-			continue;
-		float least = least_length(n->f, n->site + i), length = 0;
-		uint32_t from = UINT32_MAX, at = i;
-		bool meant = is_meant(n, n->site + i);
-		while (!meant && length < least && (from == UINT32_MAX || links_at(n, at) == 2)) {
-			uint32_t next = from == UINT32_MAX ? n->to[n->at[i]] : next_of(n, from, at);
-			length += sqrtf(apart2(n->site + at, n->site + next));
-			from = at;
-			at = next;
-			meant = is_meant(n, n->site + at);
-		}
-		if (meant || length >= least || !ISA(leads_nowhere)(n, at))
-			continue;
-		n->site[at].linked.dropped = true;
-		for (uint32_t before = UINT32_MAX, k = i; k != at;) {
-			uint32_t next = before == UINT32_MAX ? n->to[n->at[i]] : next_of(n, before, k);
-			n->site[k].linked.dropped = true;
-			before = k;
-			k = next;
-		}
+		if (ISA(leads_nowhere)(n, i))
+			drop_if_short(n, i, found);
 	}
+	late_drop(&n->f->late, found);
 	return code;
 }
 

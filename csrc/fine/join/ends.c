@@ -15,6 +15,7 @@ static const float ray_from = -0.5f, ray_to = 4,
 		   least_sine = 0.34f; /* pixels ahead of both ends at which their lines may meet; test_fine_passes */
 static const float wedge_apart = 8, wedge_to = 10,
 		   wedge_sine = 0.25f; /* likewise, if the picture shows an acute corner there; test_fine_passes */
+static const float wedge_over = 1.5f;  /* pixels over which ends must tell where they go for that; test_fine_passes */
 static const float clear_of = 1.5f,
 		   on_it = 0.75f;  /* pixels from both ends of a way, and from it, where a line bars it */
 static const float margin = 0.25f; /* by how much something else must be nearer to come first; test_fine_passes */
@@ -22,6 +23,7 @@ static const float margin = 0.25f; /* by how much something else must be nearer 
 typedef struct end {
 	uint32_t site;
 	float dx, dy;  /* unit, ahead */
+	float over;    /* pixels over which it is taken */
 	uint32_t best; /* the site to tie to; UINT32_MAX = none */
 	float cost;
 	uint32_t pairs, first; /* its pairs with later ends */
@@ -143,7 +145,9 @@ static bool join(const fine *n, const end *a, const end *b, pair *p)
 	p->cost = cost;
 	p->x = x;
 	p->y = y;
-	return meet && ((cost <= ray_to && fabsf(sine) >= least_sine) || ISA(picture_wedge)(n, s, t, rank, x, y)) &&
+	bool told = min(a->over, b->over) >= wedge_over;
+	return meet &&
+	       ((cost <= ray_to && fabsf(sine) >= least_sine) || (told && ISA(picture_wedge)(n, s, t, rank, x, y))) &&
 	       !barred(n, s, x, y) && !barred(n, t, x, y);
 }
 
@@ -227,6 +231,7 @@ static void aim(void *data, int first, int last, int thread)
 		}
 		float dx = s->placed.x - n->site[at].placed.x, dy = s->placed.y - n->site[at].placed.y,
 		      length = sqrtf(dx * dx + dy * dy);
+		e->over = length;
 		e->dx = length > 0 ? dx / length : 0;
 		e->dy = length > 0 ? dy / length : 0;
 		look_ahead(all, e);
