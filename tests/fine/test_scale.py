@@ -1,80 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A picture in relative units has the same ink and lines at every size, and no line is drawn in stairs."""
 
-import functools
-import json
-from pathlib import Path
-
-import crowds
 import numpy as np
 import pytest
-from encre.pen import library
-from encre.pen.job import Camera, Frame
-from judge import scenes
-
-PRESETS = Path(library.__file__).parents[1] / "presets"
-SIZES = {25: 68, 50: 135, 100: 270, 200: 540}  # lines of the frame by per cent
-LARGE = {50: 540, 100: 1080, 200: 2160}
-NEAR = 2  # pixels, at 100 %, within which a line is the same
+import sizes
+from encre.pen import library, presets
+from encre.pen.job import Frame
+from sizes import alone, darkness, inked, preset, relative, sized
 
 
-def preset(name):
-    return json.loads((PRESETS / f"{name}.json").read_text())["values"]
-
-
-def relative():
-    return sorted(path.stem for path in PRESETS.glob("*.json") if preset(path.stem)["length_unit"] == "RELATIVE")
-
-
-@functools.cache
-def pictures(name):
-    """The layers of a scene by per cent, and its camera."""
-    by_size = {size: scenes.NAMED[name](size=(lines, lines * 4 // 3)) for size, lines in SIZES.items()}
-    camera = by_size[100].camera_settings
-    return ({size: (scene.layers("blackman"), None) for size, scene in by_size.items()},
-            Camera(tuple(camera["view"]), camera["orthographic"], camera["height"], distance=6.0))
-
-
-@functools.cache
-def crowd():
-    """Likewise of crowded lines."""
-    return {size: crowds.crowded(lines) for size, lines in LARGE.items()}, crowds.CAMERA
-
-
-def darkness(layers, camera=None, frame=None, **values):
-    drawn = library.render(layers, values, camera=camera, frame=frame, outputs=["Encre Lines"])
-    return drawn.images["Encre Lines"][..., 3]
-
-
-def inked(pictures, name):
-    """What lines cover by per cent, each as large as that of 100 %."""
-    by_size, camera = pictures
-    values = dict(preset(name), use_example=False)  # which paints no lines
-    ink = {size: darkness(layers, camera, frame, **values) for size, (layers, frame) in by_size.items()}
-    return {size: sized(a, ink[100].shape) for size, a in ink.items()}
-
-
-def sized(a, shape):
-    """Means of pixels, or pixels again and again."""
-    for axis, n in enumerate(shape):
-        if a.shape[axis] > n:
-            a = a.reshape(*a.shape[:axis], n, -1, *a.shape[axis + 1:]).mean(axis + 1)
-        else:
-            a = np.take(a, np.arange(n) * a.shape[axis] // n, axis)
-    return a
-
-
-def alone(a, b):
-    """Share of the ink of a that has none of b near."""
-    around, h, w = np.pad(b, NEAR), *b.shape
-    ways = [(dy, dx) for dy in range(-NEAR, NEAR + 1) for dx in range(-NEAR, NEAR + 1) if dy**2 + dx**2 <= NEAR**2]
-    most = np.max([around[NEAR + dy:NEAR + dy + h, NEAR + dx:NEAR + dx + w] for dy, dx in ways], 0)
-    return a[most < 0.03 * b.max()].sum() / a.sum()
+def agrees(title, name, ink):
+    """Whether the page says what was found, but for how other machines round."""
+    row = sizes.said(title)[presets.find(name).name]
+    assert {size: row[f"{size} %"] for size in sizes.MOST} == {
+        size: pytest.approx(found, rel=0, abs=0.15) for size, found in sizes.changes(ink).items()}
 
 
 @pytest.mark.parametrize("name", relative())
 def test_ink_and_lines_are_the_same_at_every_size(name):
-    ink = inked(pictures("boxes"), name)
+    ink = inked(sizes.boxes(), name)
+    agrees("boxes", name, ink)
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
     assert ink[100].mean() > 0.005
     assert change[50] < 0.05 and change[200] < 0.05 and change[25] < 0.15, change
@@ -85,7 +30,8 @@ def test_ink_and_lines_are_the_same_at_every_size(name):
 @pytest.mark.parametrize("name", relative())
 def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
     """Where colours differ by about what makes an edge it takes little to make a line, or none."""
-    ink = inked(crowd(), name)
+    ink = inked(sizes.crowd(), name)
+    agrees("crowd", name, ink)
     faint = preset(name)["edge_color"] == 1.0 and preset(name)["edge_threshold"] == 0.3
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
     assert change[200] < 0.055 and change[50] < (0.1 if faint else 0.05), change
