@@ -49,7 +49,7 @@ class Truth:
     light: np.ndarray  # contrast of the two light levels' greys
     narrow: np.ndarray  # may be left out: a crease beside a face less than 3 pixels wide, crowded colours
     size: tuple  # rows, columns
-    clear: dict = field(init=False, default_factory=dict)  # what measure.py has found of these points
+    clear: dict = field(init=False, default_factory=dict)  # what was found of these points
     faint: np.ndarray | None = field(init=False, default=None)  # (n, 2): x, y of more that may be inked
 
     def take(self, where):

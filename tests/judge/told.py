@@ -190,20 +190,22 @@ def meet(one, piece, two, other):
     found = []
     faces = [[(mesh.points[face], n) for face, n, p in zip(mesh.faces, mesh.normals, mesh.piece, strict=True)
               if p == number] for mesh, number in ((one, piece), (two, other))]
-    for a, n in faces[0]:
-        for b, m in faces[1]:
-            along = np.cross(n, m)
-            if along @ along < 1e-6 or (a.min(0) > b.max(0)).any() or (b.min(0) > a.max(0)).any():
-                continue
-            ends = _through(a, m, m @ b[0]), _through(b, n, n @ a[0])
-            if None in ends:
-                continue
-            (s0, s1), (t0, t1) = (sorted(p @ along for p in pair) for pair in ends)
-            low, high = max(s0, t0), min(s1, t1)
-            if low < high:
-                p, q = ends[0]
-                share = [(at - p @ along) / ((q - p) @ along) for at in (low, high)]
-                found.append(np.array([p + (q - p) * s for s in share]))
+    least, most = ([np.array([end(corners, 0) for corners, _ in own]) for own in faces] for end in (np.min, np.max))
+    near_by = ((least[0][:, None] <= most[1]) & (least[1] <= most[0][:, None])).all(-1)
+    for i, j in np.argwhere(near_by):
+        (a, n), (b, m) = faces[0][i], faces[1][j]
+        along = np.cross(n, m)
+        if along @ along < 1e-6:
+            continue
+        ends = _through(a, m, m @ b[0]), _through(b, n, n @ a[0])
+        if None in ends:
+            continue
+        (s0, s1), (t0, t1) = (sorted(p @ along for p in pair) for pair in ends)
+        low, high = max(s0, t0), min(s1, t1)
+        if low < high:
+            p, q = ends[0]
+            share = [(at - p @ along) / ((q - p) @ along) for at in (low, high)]
+            found.append(np.array([p + (q - p) * s for s in share]))
     return found
 
 
