@@ -3,7 +3,7 @@
 
 import pages
 import pytest
-from judge import kinds, measure, scenes, verdict
+from judge import kinds, measure, scenes, unseen, verdict
 
 
 @pytest.fixture(scope="module")
@@ -12,9 +12,10 @@ def fine():
     return pages.judged("FINE")
 
 
-def agrees(results, detector):
-    """Whether the page says what was found, to a unit of its last but one digit: other machines round otherwise."""
-    said = pages.table((pages.DOCS / "lines.md").read_text(encoding="utf-8"))
+def agrees(results, detector, number=0):
+    """Whether the page's table says what was found, to a unit of its last but one digit: other machines round
+    otherwise."""
+    said = pages.table((pages.DOCS / "lines.md").read_text(encoding="utf-8"), number)
     found = {promise: value for promise, (value, _) in verdict.summary(results).items()}
     assert said.keys() == found.keys()
     assert {promise: float(row[detector]) for promise, row in said.items()} == pytest.approx(found, rel=0, abs=1e-3)
@@ -40,16 +41,37 @@ def test_fine_keeps_them_on_scenes_that_it_was_not_tuned_on(first, count):
     assert verdict.broken(verdict.judge(pages.drawer("FINE"), fresh, full=False)) == {}
 
 
-SHORT = {"facets", "through", "collars", "discs", "spots"}  # in a second or two each
+SHORT = {"facets", "through", "collars", "discs", "spots", "umbrella", "dice"}  # seconds each
 
 
-@pytest.mark.parametrize("name", [name if name in SHORT else pytest.param(name, marks=pytest.mark.long)
-                                  for name in (*kinds.ANALYTIC, *kinds.MESHES)])
-def test_fine_breaks_no_more_on_scenes_of_other_kinds_than_the_page_says(name):
+def breaks_no_more(name, number):
+    """Whether FINE breaks no promise on a scene but what the page says in its table of that number."""
     text = (pages.DOCS / "lines.md").read_text(encoding="utf-8")
-    said = pages.table(text, 2)[name]["breaks"]
+    said = pages.table(text, number)[name]["breaks"]
     found = pages.judged_kinds("FINE", (name,), (0,) if name in SHORT else None, full=name not in SHORT)
     assert {promise for promise in verdict.broken(found) if promise not in said} == set()
+
+
+def quick_ones(names):
+    """Those of SHORT, and the others for the long run."""
+    return pytest.mark.parametrize("name", [name if name in SHORT else pytest.param(name, marks=pytest.mark.long)
+                                            for name in names])
+
+
+@quick_ones((*kinds.ANALYTIC, *kinds.MESHES))
+def test_fine_breaks_no_more_on_scenes_of_other_kinds_than_the_page_says(name):
+    breaks_no_more(name, 2)
+
+
+@quick_ones((*unseen.ANALYTIC, *unseen.MESHES))
+def test_fine_breaks_no_more_on_unseen_scenes_than_the_page_says(name):
+    breaks_no_more(name, 4)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("detector", pages.DETECTORS)
+def test_the_page_tells_of_unseen_scenes(detector):
+    agrees(pages.judged_kinds(detector, tuple(pages.UNSEEN)), detector, 3)
 
 
 @pytest.mark.long
