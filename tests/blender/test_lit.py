@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Drawn light in Blender: as bright as Cycles' and as it is linked there, and kept in files."""
 
+import exr
 import numpy as np
 import pytest
+from encre.cli.composite import composite
 
 LAMPS = ["sun", "wide", "point", "ball", "spot", "soft", "square", "rectangle", "disk", "ellipse"]
+LEVEL = dict(use_shading=True, use_lines=True, use_hatching=False, use_smudging=False, edge_light=4.0,
+             line_thickness=2.0, length_unit="PIXELS", line_softness=0.0, line_paper=0.0)
 
 
 @pytest.fixture(scope="module")
@@ -173,6 +177,40 @@ def test_an_edge_of_cycles_light_is_where_the_shadow_ends(render):
         if spread[1] < 0.1 * spread[0]:  # else a corner is near
             off.append(abs((place - near.mean(0)) @ axes[1]))
     assert len(off) > 60 and np.percentile(off, 95) < 0.2
+
+
+@pytest.mark.parametrize("share", [5, 15, 30, 60])
+def test_a_level_of_soft_cycles_light_ends_in_one_curve(render, share):
+    """Of a wide shadow, at 16 samples: what the denoiser leaves would fill and outline crumbs."""
+    shot = render("soft_level")
+    if "Open Image Denoise is not there" in shot.output:
+        return
+
+    def drawn(name):
+        light = shot.passes(name)["Encre Diffuse"].max(2)
+        level = float(np.percentile(light, share))
+        out = shot.folder / f"{name} {share}.exr"
+        composite(str(shot.folder / f"{name}.exr"), str(out), dict(LEVEL, shade_levels=[(0.2,), (1.0, level, 0.001)]))
+        ink = exr.part(out, "ViewLayer.Encre Lines")[..., 3] > 0.25
+        return len(pieces(light > level)), len(pieces(light <= level)), len(pieces(ink))
+
+    assert drawn("evened") == (1, 1, 1)
+    assert sum(drawn("denoised")) > 3
+
+
+def pieces(where):
+    """Sizes of what hangs together, eight neighbours."""
+    left, found = set(zip(*np.nonzero(where), strict=True)), []
+    while left:
+        stack, size = [left.pop()], 0
+        while stack:
+            y, x = stack.pop()
+            size += 1
+            near = left & {(y + j, x + i) for j in (-1, 0, 1) for i in (-1, 0, 1)}
+            left -= near
+            stack += near
+        found.append(size)
+    return found
 
 
 def test_drawn_light_needs_no_denoiser(render):

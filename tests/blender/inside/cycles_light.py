@@ -4,7 +4,8 @@
 from math import radians
 
 import bpy
-from studio import fact, material, plane, shoot, stage
+from mathutils import Vector
+from studio import cube, fact, link, material, plane, shoot, sphere, stage, world
 
 
 def denoised(out):
@@ -96,3 +97,30 @@ def shadow(out):
     shoot(out, "rendered")
     scene.encre.light_source = "DRAWN"
     shoot(out, "drawn")
+
+
+def soft_level(out):
+    """A floor in the soft shadow of slats, a board and a ball, under a lamp a metre wide and some light from all sides:
+    as Cycles renders it, denoised and evened out, and denoised alone."""
+    from encre.pen import even
+
+    scene = stage(320, 180, 16)
+    for name in ("Cube", "Ball", "Sun"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    lamp = bpy.data.lights.new("Lamp", "POINT")
+    lamp.energy, lamp.shadow_soft_size = 400, 0.5
+    link("Lamp", lamp, (0, 0, 3))
+    grey = material("Light grey", (0.6, 0.6, 0.6))
+    for k in range(3):
+        slat = cube("Slat", (k - 1.2, 0.3 * k, 1.6), 1, grey)
+        slat.scale, slat.rotation_euler = (0.35, 2.5, 0.05), (0, 0, 0.3)
+    cube("Board", (-2, 0, 1.5), 4, grey).scale = 1, 1, 0.02
+    sphere("Ball", (0.5, 0.2, 1.4), grey)
+    for obj in scene.objects:
+        obj.visible_camera = obj.name == "Ground"
+    world(scene, (0.3, 0.3, 0.3))
+    scene.camera.location = 0.3, -2.6, 1.6
+    scene.camera.rotation_euler = (Vector((0, 2.6, -2.1))).to_track_quat("-Z", "Y").to_euler()
+    shoot(out, "evened")
+    even.even = lambda light, *_: light
+    shoot(out, "denoised")
