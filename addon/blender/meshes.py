@@ -29,6 +29,7 @@ class Objects:
     holdouts: np.ndarray  # which are holes in the picture
     clear: np.ndarray  # by number of material: which may let light through
     blurred: np.ndarray  # likewise: which show nothing clearly, neither mirrored nor through them
+    displaced: np.ndarray  # likewise: whose surfaces Cycles moves
     materials: list    # by their numbers, full names; None: of what has none
     things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place,
                        # and the turn and scale of its matrix, row by row
@@ -176,7 +177,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
             thick.append(2 * strands.radius.max() * np.linalg.norm(mesh.model[:3, :3], axis=0).max())
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers), np.array(holdouts),
-                   *(np.array([known[k] for known in materials.known.values()]) for k in (3, 4)),
+                   *(np.array([known[k] for known in materials.known.values()]) for k in (3, 4, 5)),
                    list(materials.known),
                    np.array(things, np.float32), shown, ribbons, np.array(thick, np.float32))
 
@@ -242,14 +243,14 @@ class _Materials:
     """Numbers, styles and controls of materials; each material is asked once."""
 
     def __init__(self, scene):
-        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), False, False)}
+        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), False, False, False)}
 
     def __call__(self, material):
         key = material and material.name_full
         if key not in self.known:
             self.known[key] = (len(self.known), properties.style_number(material, self.scene),
                                np.array(properties.controls(material), np.float32), _lets_through(material),
-                               mirrors.blurs(material))
+                               mirrors.blurs(material), _displaces(material))
         return self.known[key]
 
 
@@ -261,6 +262,15 @@ def _lets_through(material):
                 alpha and (alpha.is_linked or alpha.default_value < 1)):
             return True
     return False
+
+
+def _displaces(material):
+    """Whether Cycles moves the surfaces of a material, and does not only shade them as if it did."""
+    method = material.displacement_method if hasattr(material, "displacement_method") else (
+        material.cycles.displacement_method)  # before 4.1
+    return method != "BUMP" and any(
+        node.bl_idname == "ShaderNodeOutputMaterial" and trees.source_of(node.inputs["Displacement"])
+        for node in trees.nodes_of(material))
 
 
 def _names(blocks):

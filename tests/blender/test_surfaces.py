@@ -48,6 +48,18 @@ def test_what_lets_light_through_at_random_leaves_no_crumbs(render):
     assert len(np.unique(boards["Encre Index"][..., 0][cut])) == 1
 
 
+@pytest.mark.parametrize("method, source, weight", [("DISPLACEMENT", "AUTO", 0), ("DISPLACEMENT", "LAYERS", 0),
+                                                    ("BUMP", "AUTO", 1)])
+def test_what_materials_displace_has_creases(render, method, source, weight):
+    """Of which no mesh tells: three whole lines where a roof winds over a sheet, and no crumbs."""
+    line = ink(render("displaced").passes(f"{method} {source} {weight}"))[:, 40:280] > 0.25
+    assert ((line[1:] & ~line[:-1]).sum(0) == 3).all()
+
+
+def test_bumps_have_creases_where_they_are_asked_for_only(render):
+    assert not ink(render("displaced").passes("BUMP AUTO 0"))[:, 40:280].any()
+
+
 def test_smoke_is_denoised_where_no_surface_is(render):
     """Its own pixels lie beside the cube's box; but for them nothing changes."""
     shot = render("smoke")

@@ -289,6 +289,19 @@ def test_rasterised_layers():
     assert made["marks"].tolist() == [[[0.5, 0.5], [0.5, 0.5], [0, 0.5], [0, 0], [0, 0]]]
 
 
+def test_no_mesh_tells_how_displaced_surfaces_bend():
+    """Of materials 0, 1 and 2 Cycles moves the second; contours stay, which are about right."""
+    material, one = np.array([[0, 0, 1, 1, 2]], np.uint8), np.ones((1, 5), np.uint8)
+    maps = dict(object=one, material=material, style=0 * one, marks=-np.ones((1, 5, 2), np.float32),
+                creases=np.full((1, 5, 5), 30, np.float16))
+    made = overlay.rasterised(5 * one, maps, np.array([0, 5]), np.array([0, 50]), np.negative,
+                              np.array([False, True, False]))
+    assert made["creases"][0, :, 4].tolist() == [30, 30, -1, -1, 30]
+    assert made["creases"][0, :, 0].tolist() == [30, 0, 0, 0, 30], "of ways to the right"
+    assert made["creases"][0, :, 2].tolist() == [30, 30, 0, 0, 30], "and down"
+    assert (made["marks"] == -1).all()
+
+
 def test_what_a_clear_part_hides_is_of_its_thing_s_usual_material():
     """Ground, 1, of materials 3, 4 and 4, and a card, 2, of material 9 and style 1, that is clear where it hides it."""
     index = np.array([[5, 5, 5, 5, 5, 5, 5, 6, 8]], np.float32)

@@ -25,9 +25,9 @@ def cameras(out):
         drawn["depth"] = maps["depth"]
         return maps
 
-    def spy(index, maps, owners, numbers, strays):
+    def spy(index, maps, owners, *more):
         drawn["index"], drawn["own"] = index, owners[maps["object"].astype(int)]
-        return real(index, maps, owners, numbers, strays)
+        return real(index, maps, owners, *more)
 
     frame.overlay.rasterised, frame.library.raster = spy, spy_raster
     assemble = layers.assemble
@@ -92,10 +92,10 @@ def kinds(out):
     real = frame.overlay.rasterised
     seen = {}
 
-    def spy(index, maps, owners, numbers, strays):
+    def spy(index, maps, owners, *more):
         instance = maps["object"].astype(int)
         seen["mismatch"] = int((owners[instance] != index).sum())
-        made = real(index, maps, owners, numbers, strays)
+        made = real(index, maps, owners, *more)
         seen["numbers"] = len(set(made["object"].ravel().tolist()))
         return made
 

@@ -283,9 +283,9 @@ def stereo(out):
 
     real = frame.overlay.rasterised
 
-    def spy(index, maps, owners, numbers, strays):
+    def spy(index, maps, owners, *more):
         fact("mismatch", float((owners[maps["object"].astype(int)] != index).mean()))
-        return real(index, maps, owners, numbers, strays)
+        return real(index, maps, owners, *more)
 
     frame.overlay.rasterised = spy
     fact("error", shoot(out, "stereo"))

@@ -82,6 +82,53 @@ def fades(out):
     shoot(out, "bare")
 
 
+def _waves(method):
+    """A material of a flat sheet from which a roof rises that winds: moved by Cycles, or shaded as if it were."""
+    clay = material("Clay", (0.7, 0.6, 0.5))
+    (clay if hasattr(clay, "displacement_method") else clay.cycles).displacement_method = method
+    tree, end = clay.node_tree, clay.node_tree.nodes["Material Output"]
+
+    def math(operation, *inputs):
+        node = tree.nodes.new("ShaderNodeMath")
+        node.operation = operation
+        for socket, value in zip(node.inputs, inputs, strict=False):
+            if isinstance(value, float):
+                socket.default_value = value
+            else:
+                tree.links.new(value, socket)
+        return node.outputs[0]
+
+    place, moved = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("SeparateXYZ", "Displacement"))
+    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Object"], place.inputs[0])
+    winds = math("MULTIPLY", math("SINE", math("MULTIPLY", place.outputs[0], 2.0)), 0.15)
+    far = math("ABSOLUTE", math("SUBTRACT", place.outputs[1], winds))
+    high = math("MAXIMUM", math("SUBTRACT", 0.35, far), 0.0)
+    moved.inputs["Midlevel"].default_value, moved.inputs["Scale"].default_value = 0, 1
+    tree.links.new(high, moved.inputs["Height"])
+    tree.links.new(moved.outputs[0], end.inputs["Displacement"])
+    return clay
+
+
+def displaced(out):
+    """A sheet with a roof on it by a material's displacement, seen from above, with creases of both sources; then as a
+    bump, without and with a weight of these."""
+    for method, source, weight in (("DISPLACEMENT", "AUTO", 0), ("DISPLACEMENT", "LAYERS", 0), ("BUMP", "AUTO", 0),
+                                   ("BUMP", "AUTO", 1)):
+        scene = stage(320, 180, 16, ground=False)
+        _bare(scene)
+        mesh, n, rows = bpy.data.meshes.new("Sheet"), 200, 400
+        x, y = np.meshgrid(np.linspace(-1.5, 1.5, n), np.linspace(-1.5, 1.5, rows))
+        points = np.stack([x, y, 0 * x], 2).reshape(-1, 3)
+        first = (np.arange(rows - 1)[:, None] * n + np.arange(n - 1)).reshape(-1, 1)
+        mesh.from_pydata(points.tolist(), [], (first + (0, 1, n + 1, n)).tolist())
+        mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+        link("Sheet", mesh, (0, 0, 0), _waves(method))
+        scene.camera.location = 0, -2.5, 4
+        scene.camera.rotation_euler = Vector((0, 2.5, -4)).to_track_quat("-Z", "Y").to_euler()
+        scene.encre.crease_source, scene.encre.edge_bump = source, weight
+        shoot(out, f"{method} {source} {weight}")
+
+
 def smoke(out):
     """A box of smoke beside a small cube, whose own box the smoke is not in."""
     scene = stage(samples=4, ground=False)
