@@ -25,6 +25,7 @@ import filters  # noqa: E402
 import geometry  # noqa: E402
 import keeping  # noqa: E402
 import kinds  # noqa: E402
+import lids  # noqa: E402
 import lit  # noqa: E402
 import painting  # noqa: E402
 import patterns  # noqa: E402
@@ -37,7 +38,7 @@ import surfaces  # noqa: E402
 import unusual  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
-                                  keeping, surfaces, lit, painting, patterns, quick, anchors, distances, slotted,
+                                  keeping, surfaces, lids, lit, painting, patterns, quick, anchors, distances, slotted,
                                   staged, bumps, unusual, kinds, filters)
          for name, case in vars(topic).items()}
 
