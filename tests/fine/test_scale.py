@@ -73,6 +73,31 @@ def test_lines_of_light_fade_where_they_close_up(lean):
     assert max(far[2.5], far[1.7], far[1.0]) < 0.25, far
 
 
+@pytest.mark.parametrize("aside", [0.0, 1.0])
+@pytest.mark.parametrize("soft", [0.0, 0.3])
+def test_the_shadow_of_a_fence_far_away_is_a_tone(aside, soft):
+    """On ground that goes to the horizon: its posts' shadows come ever closer, from 25 pixels to less than one."""
+    height, width, fine = 120, 160, 6
+    y, x = (np.mgrid[:height * fine, :width * fine] + 0.5) / fine
+    far = 1 / (y + 3)
+    across = ((x - width / 2) * far + aside * 100 * far) * 5  # in fields
+    share = np.abs(np.mod(across, 1) - 0.5) - 0.25
+    light = np.clip(0.5 + share / soft, 0, 1) if soft else share > 0
+    light = 0.2 + 0.8 * sized(light.astype(float), (height, width))
+    flat = np.ones((height, width, 3))
+    layers = dict(combined=np.ones((height, width, 4)), color=flat * 0.6, normal=flat * (0, 1, 0),
+                  diffuse=flat * light[..., None], object=flat[..., :1],
+                  depth=400 * np.repeat(1 / (np.arange(height) + 3.5), width).reshape(height, width, 1))
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    scene = dict(edge_detector="FINE", edge_light=4.0, line_thickness=2.0, line_softness=0.0, line_paper=0.0)
+    ink = library.render(layers, scene, outputs=["Encre Lines"],
+                         frame=Frame(1440, 1080, 100, 100)).images["Encre Lines"][:, 10:-10, 3]
+    by_row = ink.reshape(-1, 10 * ink.shape[1]).mean(1)  # from the horizon
+    most = by_row.argmax()
+    assert 0.15 < by_row[most] < 0.25 and 0.05 < by_row[-1] < 0.13 and by_row[:2].max() < 0.005, by_row
+    assert np.diff(by_row[:most + 1]).min() > -0.005 and np.diff(by_row[most:]).max() < 0.005, by_row
+
+
 @pytest.mark.parametrize("lines", [1080, 2160])
 def test_a_rail_is_as_wide_above_its_posts(lines):
     """Where a post goes down from it, nothing says that it is thin but what lies on both sides."""
