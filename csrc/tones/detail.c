@@ -307,8 +307,8 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-/* How much pixels are what light print lies on. A board is of a colour on which nothing dark is seen; where dark print
- * is near, the pupil of an eye, it is a face. */
+/* How much pixels are what light print lies on. A board is flat and of a colour on which nothing dark is seen; where
+ * dark print is near, the pupil of an eye, it is a face. */
 static void around_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -328,9 +328,10 @@ static void around_rows(void *data, int y0, int y1, int thread)
 			}
 			if (!any)
 				continue;
+			most_about(w, w->d->far, w->d->flat, y, x, n, light);
 			most_about(w, 2 * (w->d->far + beyond), w->d->print, y, x, n, print);
 			for (int i = 0; i < n; i++)
-				board[i] = print[i] < 128 ? board[i] : 0;
+				board[i] = print[i] < 128 && light[i] ? board[i] : 0;
 		}
 }
 
@@ -342,10 +343,11 @@ void ISA(tone_detail_plan)(const frame *f, tone_detail *d, arena *a)
 	d->reach = (int)min(0.5f * f->params->tone_detail * f->scale, TONE_DETAIL_MOST); /* 2 reach + 1, rounded */
 	d->reach = d->reach > 0 ? d->reach : 1;
 	d->far = d->reach + d->reach / 2 + 1;
-	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin,   &d->dark, &d->raw,
-			     d->sure,   d->sure + 1, &d->print, &d->around, &d->board};
+	uint8_t **plane[] = {&d->value, &d->scratch, &d->light, &d->thin,   &d->dark,  &d->raw,
+			     d->sure,   d->sure + 1, &d->print, &d->around, &d->board, &d->flat};
 	for (size_t k = 0; k < sizeof plane / sizeof *plane; k++)
 		*plane[k] = arena_take(a, pixels, 1);
+	d->inked = d->raw;
 	d->keep = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->ease = f->params->tone_detail > 0 ? arena_take(a, pixels, 1) : NULL;
 	d->room = f->params->tone_least > 0 ? arena_take(a, pixels, 1) : NULL;
@@ -372,5 +374,5 @@ int32_t ISA(tone_detail_run)(frame *f, const tone_detail *d)
 	code = code ? code : ISA(tone_words_run)(f, d);
 	code = code ? code : bands_run(f->bands, f->height, 0, keep_rows, &w);
 	code = code ? code : ISA(tone_ground_run)(f, d);
-	return code || !tone_has_marks(f) ? code : bands_run(f->bands, f->height, 0, around_rows, &w);
+	return code || !d->prints ? code : bands_run(f->bands, f->height, 0, around_rows, &w);
 }

@@ -73,6 +73,23 @@ bool ISA(tone_marks_wanted)(const encre_params *p)
 #undef IN
 }
 
+/* Letters and eyes, which strokes would only tell by chance, are ink where it is dark, and so is what light letters lie
+ * on: on a board in any tone, else where three layers of strokes cross or begin to, and letters would be but more gaps.
+ * What is print but in part has more strokes: so much ink would be grey. */
+static void close_print(const frame *f, int y, int x, int n, uint8_t *restrict dark)
+{
+	static const uint8_t half = 127, crossed = 170, all = 250; /* 255ths */
+	const tone_detail *d = &((const tone_frame *)f->tones)->detail;
+	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
+	for (int i = 0; d->keep && i < n; i++) {
+		size_t own = at + (size_t)i;
+		uint8_t print = dark[i] > half ? d->print[own] : 0;
+		uint8_t around = dark[i] > crossed ? d->around[own] : dark[i] > 0 ? d->board[own] : 0;
+		d->inked[own] = print >= all ? 255 : around;
+		dark[i] = (uint8_t)(dark[i] + ((255 - dark[i]) * print + 127) / 255);
+	}
+}
+
 /* The darkness of n pixels that marks fill, 1..255, 0 of others, the slot that fills them, and marks' share; of which
  * slots any are.
  */
@@ -101,6 +118,7 @@ static unsigned darken(const frame *f, const encre_params *p, const tone_slot *s
 		whose[i] = (uint8_t)slot[i];
 		shares[i] = (uint8_t)(int)(255 * min(share[i], 1) + 0.5f);
 	}
+	close_print(f, y, x, n, dark);
 	for (int i = 0; i < n; i++)
 		found[whose[i]] |= dark[i];
 	for (int k = 0; k < TONE_SLOTS; k++)

@@ -48,30 +48,23 @@ static void pictures(const frame *f, const tone_slot *s, const tone_rest *rest, 
 	ISA(tone_picture_row)(s, n, chart, dark, ink);
 }
 
-/* Where it is darker three layers of strokes cross, or begin to: light letters would be but more gaps. */
-static const float crossed = 2.0f / 3;
-
-/* What strokes.c has drawn; letters and eyes, which they would only tell by chance, are ink where it is dark, and so is
- * what light letters lie on. */
-static void marks(const frame *f, int y, int x, int n, const float *restrict dark, float *restrict ink)
+/* What strokes.c has drawn, and what is ink for print. */
+static void marks(const frame *f, int y, int x, int n, float *restrict ink)
 {
 	const tone_marks *m = ((const tone_frame *)f->tones)->marks;
-	const uint8_t *restrict bits = tone_bytes(m, TONE_BITS, y) + x;
+	const uint8_t *restrict bits = tone_bytes(m, TONE_BITS, y) + x, *restrict dark =
+										tone_bytes(m, TONE_DARK, y) + x;
 	const float *restrict drawn = tone_ink(m, y) + x;
 	int lost = 0;
 	memcpy(ink, drawn, (size_t)n * sizeof *ink);
 	for (int i = 0; i < n; i++)
 		lost |= bits[i];
 	for (int i = 0; lost & TONE_LOST && i < n; i++)
-		ink[i] = bits[i] & TONE_LOST ? dark[i] : ink[i];
+		ink[i] = bits[i] & TONE_LOST ? (float)dark[i] * (1.0f / 255) : ink[i];
 	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
 	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
-	for (int i = 0; detail->keep && i < n; i++) {
-		uint8_t print = dark[i] > 0.5f ? detail->print[at + (size_t)i] : 0;
-		const uint8_t *lies_on = dark[i] > crossed ? detail->around : dark[i] > 0 ? detail->board : NULL;
-		uint8_t around = lies_on ? lies_on[at + (size_t)i] : 0;
-		ink[i] = max(ink[i], (float)(print > around ? print : around) * (1.0f / 255));
-	}
+	for (int i = 0; detail->keep && i < n; i++)
+		ink[i] = max(ink[i], (float)detail->inked[at + (size_t)i] * (1.0f / 255));
 }
 
 /* Two families of lines, of which the second has what the first leaves of the darkness. */
@@ -114,6 +107,14 @@ static void lines(const frame *f, const tone_slot *s, const tone_rest *rest, int
 		ink[i] = ink[i] + more[i] - ink[i] * more[i];
 }
 
+/* What letters of a board lie on is ink in a screen too, whose dots are as large as they are and which a shadow may cut
+ * through. */
+static void boards(const uint8_t *restrict board, int n, const float *restrict dark, float *restrict ink)
+{
+	for (int i = 0; i < n; i++)
+		ink[i] = max(ink[i], dark[i] > 0 ? (float)board[i] * (1.0f / 255) : 0);
+}
+
 /* Surfaces of which no place is known have their mean. */
 static void mean_row(const float *restrict size, int n, const float *restrict dark, float *restrict ink)
 {
@@ -135,6 +136,7 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 	float fitted[TONE_CHUNK];
 	const tone_detail *d = &((const tone_frame *)f->tones)->detail;
 	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
+	const float *asked = dark;
 	if (d->room && tone_is_screen(s)) {
 		fit(d->room + at, d->aim + at, n, dark, fitted);
 		dark = fitted;
@@ -151,7 +153,7 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 			memset(ink, 0, (size_t)n * sizeof *ink);
 		return;
 	case tone_1_HATCH:
-	case tone_1_STIPPLE: marks(f, y, x, n, dark, ink); return;
+	case tone_1_STIPPLE: marks(f, y, x, n, ink); return;
 	default: break;
 	}
 	tone_rest own;
@@ -160,6 +162,8 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 	(s->kind == tone_1_DOTS ? dots : s->kind == tone_1_IMAGE ? pictures : lines)(f, s, rest, y, x, n, dark, ink);
 	if (rest)
 		mean_row(rest->at[ANCHOR_PIXEL], n, dark, ink);
+	if (d->keep && tone_is_screen(s))
+		boards(d->board + at, n, asked, ink);
 }
 
 /* Ink over the picture, and over what the output has of tones. */
@@ -195,12 +199,10 @@ static void tone_run(const frame *f, const encre_params *p, int y, int x, int n,
 	tones = tones ? tones + (ptrdiff_t)4 * x : NULL;
 	if (style->only >= 0) { /* what was wanted then */
 		const tone_marks *m = ((const tone_frame *)f->tones)->marks;
-		const uint8_t *share = tone_bytes(m, TONE_SHARE, y) + x, *dark = tone_bytes(m, TONE_DARK, y) + x;
-		for (int i = 0; i < n; i++) {
+		const uint8_t *share = tone_bytes(m, TONE_SHARE, y) + x;
+		for (int i = 0; i < n; i++)
 			w.share[0][i] = (float)share[i] * (1.0f / 255);
-			w.dark[0][i] = (float)dark[i] * (1.0f / 255);
-		}
-		marks(f, y, x, n, w.dark[0], ink);
+		marks(f, y, x, n, ink);
 		draw_row(slots + style->only, n, ink, w.share[0], surface, tones);
 		return;
 	}
@@ -263,6 +265,18 @@ static bool marked(const frame *f)
 	return found;
 }
 
+static bool screened(const frame *f)
+{
+	bool found = false;
+	for (int i = 0; i < f->n_styles; i++) {
+		const encre_params *p = f->params + i;
+#define IN(n) || p->tone_##n == tone_##n##_DOTS || p->tone_##n == tone_##n##_LINES || p->tone_##n == tone_##n##_CROSS
+		found |= p->use_tones && (false TONE_EACH(IN));
+#undef IN
+	}
+	return found;
+}
+
 /* Whether strokes of things go toward the light. */
 static bool lit(const frame *f)
 {
@@ -284,6 +298,7 @@ static void plan(frame *f, arena *a)
 		return;
 	tone_frame *t = arena_take(a, 1, sizeof *t);
 	tone_frame own = {.styles = arena_take(a, (size_t)f->n_styles, sizeof *own.styles)};
+	own.detail.prints = marked(f) || screened(f);
 	ISA(tone_detail_plan)(f, &own.detail, a);
 	if (marked(f)) {
 		tone_marks *m = own.marks = arena_take(a, 1, sizeof *m);

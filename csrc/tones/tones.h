@@ -83,6 +83,7 @@ typedef struct tone_style {
 typedef struct tone_detail {
 	int reach;     /* pixels to both sides of a pixel that a fine thing may have */
 	int far;       /* the same of what is clear if what it hangs together with is */
+	bool prints;   /* strokes, spots, dots or lines, which tell letters by chance, are drawn: print is looked for */
 	uint8_t *keep; /* 255ths of the tones that are left; NULL: all */
 	uint8_t *ease; /* 255ths of the darkness that is left of what is cleared as a whole */
 	uint8_t *room; /* 255ths of its darkness that a screen has where it has little room; NULL: there is room */
@@ -91,7 +92,9 @@ typedef struct tone_detail {
 	uint8_t *sure[2]; /* 255ths by which what is thin, and what is dark, is fine */
 	uint8_t *print;   /* 255ths by which fine dark things are print, on light ground */
 	uint8_t *around;  /* and by which dark ground has light print on it */
+	uint8_t *flat;    /* not 0: light print that lies in one plane, as on a board */
 	uint8_t *board;   /* and by which that is of so dark a colour that nothing else is seen on it */
+	uint8_t *inked;   /* and by which for these there is ink, strokes or not; `raw` again */
 } tone_detail;
 
 /* What there is to draw in a chunk: of each slot its share of the pixel and its darkness there. */
@@ -130,11 +133,6 @@ typedef struct tone_frame {
 	tone_marks *marks;
 	tone_detail detail;
 } tone_frame;
-
-static inline bool tone_has_marks(const frame *f)
-{
-	return ((const tone_frame *)f->tones)->marks != NULL;
-}
 
 /* tones.c: the coordinates of a slot's dots, spots and strokes; on the screen without `rest`. */
 void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n,

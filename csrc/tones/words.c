@@ -18,7 +18,9 @@ static const float small = 7; /* as wide as so many strokes: a face in which dot
 static const float whole = 6; /* of a word one in so many pixels, surely fine, is enough */
 /* How many times its strokes, laid end to end, are as long as wide: two eyes 10 to 12.5, a letter 10 to 30. */
 static const float two_eyes = 12, word = 15;
-static const float outline = 0.45f; /* of what is about a word: little wider than a line */
+static const float slanted = 0.97f;   /* cosine of what is still of one plane */
+static const float flat_share = 0.6f; /* so much of a flat thing is */
+static const float outline = 0.45f;   /* of what is about a word: little wider than a line */
 
 /* So many reaches about a dark pixel its ground is looked for, in so many rows of so many places. */
 enum { reaches = 3, looks = 13 };
@@ -276,9 +278,46 @@ static uint8_t strokes(const work *w, size_t count)
 	return (uint8_t)(int)(255 * mix(outline, 1, clamp01((length - two_eyes) / (word - two_eyes))) + 0.5f);
 }
 
+/* A normal in whole numbers, whose sums are the same in any order; 0 where there is none. */
+static void normal_of(const work *w, uint32_t i, int way[3])
+{
+	spot s = spot_of(w, i);
+	const float *n = layer_row(w->f, ENCRE_LAYER_NORMAL, s.y) + (ptrdiff_t)3 * s.x;
+	float size2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+	bool there = size2 > 0 && size2 < INFINITY;
+	for (int c = 0; c < 3; c++)
+		way[c] = there ? (int)(1000 * (n[c] / sqrtf(size2))) : 0;
+}
+
+/* Whether light things that hang together lie in one plane, 255 or 0: letters do, though the sides of raised ones are
+ * seen; eyes, brows and hair do not. */
+static uint8_t flatness(const work *w, size_t count)
+{
+	int64_t sum[3] = {0}, all = 0, along = 0;
+	int way[3];
+	if (!w->f->layer[ENCRE_LAYER_NORMAL].data)
+		return 255;
+	for (size_t k = 0; k < count; k++) {
+		normal_of(w, w->open[k], way);
+		for (int c = 0; c < 3; c++)
+			sum[c] += details(w)[w->open[k]] ? way[c] : 0;
+	}
+	float x = (float)sum[0], y = (float)sum[1], z = (float)sum[2],
+	      least = 1000 * slanted * sqrtf(x * x + y * y + z * z);
+	for (size_t k = 0; k < count; k++) {
+		normal_of(w, w->open[k], way);
+		bool own = details(w)[w->open[k]] != 0;
+		all += own;
+		along += own && (float)way[0] * x + (float)way[1] * y + (float)way[2] * z > least;
+	}
+	return (float)along > flat_share * (float)all ? 255 : 0;
+}
+
 static void spread(const work *w)
 {
 	uint8_t *state = w->d->raw, *sure = w->d->sure[w->dark];
+	if (!w->dark)
+		memset(w->d->flat, 0, pixels_of(w));
 	for (size_t i = 0; i < pixels_of(w); i++) {
 		if (!details(w)[i]) {
 			sure[i] = 0;
@@ -298,9 +337,12 @@ static void spread(const work *w)
 				}
 		}
 		uint8_t all = sureness(w, sure, count), lines = w->dark ? 0 : strokes(w, count);
+		uint8_t flat = w->dark || !w->d->prints ? 0 : flatness(w, count);
 		for (size_t k = 0; k < count; k++)
 			if (details(w)[w->open[k]]) {
 				w->d->print[w->open[k]] = lines;
+				if (!w->dark)
+					w->d->flat[w->open[k]] = flat;
 				sure[w->open[k]] = all;
 				details(w)[w->open[k]] = all ? details(w)[w->open[k]] : 0;
 			}
@@ -423,7 +465,7 @@ int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d)
 		return ENCRE_ERROR_MEMORY;
 	survey(&w, d->scratch, ground);
 	int32_t code = bands_run(f->bands, f->height, 0, ground_rows, &w);
-	for (int dark = 0; !code && tone_has_marks(f) && dark < 2; dark++)
+	for (int dark = 0; !code && d->prints && dark < 2; dark++)
 		code = find_print(&w, dark != 0);
 	late_drop(&f->late, w.open);
 	return code;

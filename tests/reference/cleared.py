@@ -8,6 +8,7 @@ from .metric import clamp01
 LEAST, SURE, ALIKE, SAME_DEPTH = 0.3 * 255, 0.34 * 255, 0.08 * 255, 0.005
 GROUND, MANY, SOME, SMALL, WHOLE, FILLED = 20, 3, 10, 7, 6, 88
 TWO_EYES, WORD, ROUND = 12, 15, 0.45
+SLANTED, FLAT_SHARE = 0.97, 0.6
 NARROW, WIDE, BESIDE = 0.7, 1.4, 2
 FINE = 0.35, 0.525
 
@@ -108,10 +109,20 @@ def _most(share):
     return clamp01(4 * share - 3.5)
 
 
-def _words(details, sure, around, goes_on, value, within):
-    """(How sure each detail is: twice the mean over its word of how surely pixels are, weighted by itself; and how
+def _flatness(details, labels, normal):
+    """Whether words lie in one plane: by how many of their pixels face as all do in the mean."""
+    size = np.linalg.norm(normal, axis=-1)
+    way = np.fix(1000 * normal / np.where(size > 0, size, 1)[..., None]) * details[..., None]
+    mean = np.stack([np.bincount(labels.flat, way[..., c].flat, labels.size) for c in range(3)], -1)[labels]
+    along = details & ((way * mean).sum(-1) > 1000 * SLANTED * np.linalg.norm(mean, axis=-1))
+    count, facing = (np.bincount(labels.flat, of.flat, labels.size) for of in (details, along))
+    return (facing > FLAT_SHARE * count)[labels]
+
+
+def _words(details, sure, around, goes_on, value, within, normal):
+    """(How sure each detail is: twice the mean over its word of how surely pixels are, weighted by itself; how
     surely its word is strokes: by how many times they are as long as wide; they have no edge beside what is within
-    and darker than what they lie on.)"""
+    and darker than what they lie on; and whether it lies in one plane.)"""
     labels = _labels(tuple(link & around[to] & around[of] for link, to, of in zip(
         goes_on, (np.s_[:, 1:], np.s_[1:]), (np.s_[:, :-1], np.s_[:-1]), strict=True)))
     count, total, squares = (np.bincount(labels.flat, by.flat) for by in (
@@ -128,7 +139,8 @@ def _words(details, sure, around, goes_on, value, within):
     length = (edges[0] + (1 - pupil) * edges[1]) ** 2 / np.maximum(4 * count, 1)
     strokes = ROUND + (1 - ROUND) * clamp01((length - TWO_EYES) / (WORD - TWO_EYES))
     strokes = np.floor(255 * strokes + 0.5) / 255
-    return np.where(details, np.floor(np.minimum(own, 255) + 0.5)[labels], 0), strokes[labels]
+    return (np.where(details, np.floor(np.minimum(own, 255) + 0.5)[labels], 0), strokes[labels],
+            _flatness(details, labels, normal))
 
 
 def _level(share):
@@ -204,10 +216,11 @@ def kept(layers, params):
         _, share, _ = _survey(fine, labels)
         square = np.where(_level(share) + np.isnan(share) > 0, square, 0)
         whole, level = _whole(sign * value, fine, _level(share))
-        sure, strokes = _words(whole > 0, np.floor(sure * level + 0.5), _about(whole > 0, stroke, np.max), goes_on,
-                               value, within)
-        found.append((np.where(sure > 0, whole, 0), sure / 255, square, strokes if sign > 0 else 1))
-    (thin, light_sure, square, strokes), (dark, dark_sure, _, one) = found
+        sure, strokes, flat = _words(whole > 0, np.floor(sure * level + 0.5), _about(whole > 0, stroke, np.max),
+                                     goes_on, value, within, layers.normal)
+        fine = np.where(sure > 0, whole, 0)
+        found.append((fine, sure / 255, square, strokes if sign > 0 else 1, (fine > 0) & flat))
+    (thin, light_sure, square, strokes, flat), (dark, dark_sure, _, one, _) = found
 
     def there(v, u):
         own = inside[wide + 1 + v:, wide + 1 + u:][:height, :width]
@@ -241,6 +254,7 @@ def kept(layers, params):
                             (dark, thin, dark_sure, one, 1), (thin, dark, light_sure, strokes, -1)))
     ground = 1 - _kept_share(around(thin, chalked, 1, wide))
     board = (value <= LEAST) & (_about(printed, 2 * (wide + 2), np.max) < 128 / 255)
+    board &= _about(flat, wide, np.max)
     return keep, ease, dark_sure > 127 / 255, printed, ground, board * ground
 
 

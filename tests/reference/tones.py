@@ -476,11 +476,14 @@ def fill(layers, params, surface, paper):
             share, dark = _eased(*_dark(layers, of("shade_levels"), of, look), look[0], keep)
             if not (dark > 0).any():
                 continue
-            dark = _fitted(dark, rooms) if look[0] in SCREENS else dark
-            ink = _ink(layers, of, look, dark, scale, paper, own)
             if look[0] in ("HATCH", "STIPPLE"):
-                chalked = np.where(dark > 2 / 3, keep[4], (dark > 0) * keep[5])
-                ink = np.maximum(ink, np.maximum((dark > 0.5) * keep[3], chalked))
+                printed, around = (dark > 0.5) * keep[3], np.where(dark > 2 / 3, keep[4], (dark > 0) * keep[5])
+                ink = _ink(layers, of, look, dark + (1 - dark) * printed, scale, paper, own)
+                ink = np.where(printed >= 250 / 255, 1, np.maximum(ink, around))
+            elif look[0] in SCREENS:
+                ink = np.maximum(_ink(layers, of, look, _fitted(dark, rooms), scale, paper, own), (dark > 0) * keep[5])
+            else:
+                ink = _ink(layers, of, look, dark, scale, paper, own)
             t = np.where(own, ink * share, 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
             alpha = surface[..., 3:]

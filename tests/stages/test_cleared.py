@@ -192,6 +192,21 @@ def test_about_light_letters_all_is_ink_only_where_strokes_cross_thrice_or_on_bo
     assert drawn[14:46, [26, 27, 31, 32]].all() == inked and not drawn[14:46, 29].any()
 
 
+@pytest.mark.parametrize("kind", ["DOTS", "LINES", "CROSS"])
+@pytest.mark.parametrize("curved", [False, True])
+def test_what_letters_of_a_board_lie_on_is_ink_in_a_screen_too(kind, curved):
+    """A board in dots, into which the letters throw shadows that are ink, would leave nobody to read them."""
+    layers = shaded(60, 100, 0.5, 0.08)
+    for x in range(20, 80, 10):
+        layers["color"][20:40, x:x + 3] = layers["color"][37:40, x:x + 7] = 0.8
+    y, x = np.mgrid[:60, :100]
+    layers["normal"] = np.stack([curved * (x % 10 / 3 - 1), curved * (y / 10 - 3), 0 * x + 0.5], -1)
+    drawn = ink(layers, tone_1=kind, tone_2=kind, tone_2_pitch=6.0, tone_detail=5.0)
+    about = drawn[21:36, [19, 23, 29, 33, 49, 53]]
+    assert about.mean() < 0.6 if curved else about.all()
+    assert not drawn[22:36, [21, 41, 61]].any() and 0.1 < drawn[:12].mean() < 0.9
+
+
 def test_the_white_of_an_eye_in_a_dark_face_has_no_ink_about_it():
     layers = shaded(60, 60, 0.2, 0.08)
     layers["color"][27:32, 22:36] = 0.8
@@ -235,6 +250,18 @@ def test_a_bar_turns_from_strokes_to_ink_by_and_by_as_the_light_behind_it_gets_w
         layers["color"][20:23] = 0.06
         inked.append(ink(layers, **RAIL)[20:23].mean())
     assert inked[-1] > 0.9 and np.diff(inked).max() < 0.7, inked
+
+
+@pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
+def test_what_is_print_in_part_is_no_flat_grey(kind):
+    flat = []
+    for wide in range(30, 91, 4):
+        layers = shaded(40, 100, 0.2, 0.02)
+        layers["color"][:, :wide] = 0.8
+        layers["color"][20:24] = 0.06
+        values, count = np.unique(np.round(ink(layers, **dict(RAIL, tone_1=kind))[21:23], 2), return_counts=True)
+        flat.append(count[(values > 0.05) & (values < 0.95)].max(initial=0))
+    assert max(flat) < 20, flat
 
 
 def test_a_post_has_the_same_strokes_whatever_is_seen_behind_it():
