@@ -44,14 +44,16 @@ static inline float lightness(const encre_params *p, float r, float g, float b)
 	return seen ? 0.2126f * r + 0.7152f * g + 0.0722f * b : max3(r, g, b);
 }
 
-/* How dark a colour counts as, of such a lightness. Red-brown hair is as light as brown skin, but redder: of deep reds
- * what is lighter than a quarter of the way from black to dark is taken as darker, so that some more lie below dark,
- * and none that is not black gets black. No skin has more red than 2.6 times its green, all but. */
+/* How dark a colour counts as, of such a lightness. Red-brown hair is as light as brown skin, but redder, and paint and
+ * cloth of a strong red or blue look darker than they are: of deep colours what is lighter than a quarter of the way
+ * from black to dark is taken as darker, so that some more lie below dark, and none that is not black gets black. No
+ * skin has more red than 2.6 times its green, all but, and none is blue. */
 static inline float counts_as(const encre_params *p, float bright, float r, float g, float b, float black, float dark)
 {
-	static const float skin = 2.6f, quarter = 0.25f;
-	float most = max(g, b), red = clamp01((r - skin * most) / max(most, FLT_MIN));
-	float from = black + quarter * (dark - black), span = dark - from, end = span + p->tone_reds * red * dark;
+	static const float skin = 2.6f, sky = 1.6f, quarter = 0.25f;
+	float most = max(g, b), red = (r - skin * most) / max(most, FLT_MIN);
+	float other = max(r, g), blue = (b - sky * other) / max(other, FLT_MIN), deep = clamp01(max(red, blue));
+	float from = black + quarter * (dark - black), span = dark - from, end = span + p->tone_reds * deep * dark;
 	return p->tone_reds > 0 && span > 0 && bright > from ? from + (bright - from) * span / end : bright;
 }
 

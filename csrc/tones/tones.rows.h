@@ -5,7 +5,7 @@ SWITCH(use_tones, SURFACE, 0, "", "Tones", "Fill the levels of light with dots, 
 FLOAT(tone_darkness, SURFACE, 0, -1, 1, -1, 1, "", "use_tones", "Darkness", "Added to how dark a level is, which is 1 less its intensity")
 FLOAT(tone_black, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Spotted Blacks", "Colours darker than this are in the darkest level, whatever their light")
 FLOAT(tone_dark, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Dark Colours", "Colours darker than this have the less light the nearer they are to spotted blacks; 0: all have theirs")
-FLOAT(tone_reds, SURFACE, 0, 0, 100, 0, 2, "", "use_tones&tone_dark", "Deep Reds", "How much lighter deep reds may be to count as dark, as of red-brown hair, which is no darker than brown skin: 1: twice as light; 0: no more than others")
+FLOAT(tone_reds, SURFACE, 0, 0, 100, 0, 5, "", "use_tones&tone_dark", "Deep Colors", "How much lighter deep reds and blues may be to count as dark, as of red-brown hair, which is no darker than brown skin, and of paint: 1: twice as light; 0: no more than others")
 ENUM(tone_black_by, SURFACE, 0, "use_tones", "Blacks By", "What tells how dark a colour is",
      ITEM(tone_black_by, VALUE, 0, "Brightest Channel", "The most of red, green and blue: deep blues are lighter than greys")
      ITEM(tone_black_by, LUMINANCE, 1, "Luminance", "How dark the eye sees it: navy is as dark as a dark grey"))

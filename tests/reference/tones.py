@@ -260,12 +260,14 @@ def _dark(layers, levels, of, look):
         return np.where((left < 1) & (lit > 0), lit * left / np.sqrt(np.maximum(both, 1e-30)), lit)
 
     def counted(color, black, dark):
-        """How light a colour counts as: deep reds less."""
+        """How light a colour counts as: deep reds and blues less."""
         bright, most = lightness(color), np.maximum(color[..., 1], color[..., 2])
-        red = clamp01((color[..., 0] - 2.6 * most) / np.maximum(most, 1e-37))
+        other = np.maximum(color[..., 0], color[..., 1])
+        deep = clamp01(np.maximum((color[..., 0] - 2.6 * most) / np.maximum(most, 1e-37),
+                                  (color[..., 2] - 1.6 * other) / np.maximum(other, 1e-37)))
         first = black + 0.25 * (dark - black)
         span = dark - first
-        less = first + (bright - first) * span / np.maximum(span + of("tone_reds") * red * dark, 1e-37)
+        less = first + (bright - first) * span / np.maximum(span + of("tone_reds") * deep * dark, 1e-37)
         return np.where((of("tone_reds") > 0) & (span > 0) & (bright > first), less, bright)
 
     bright, black = lightness(layers.color), of("tone_black") * left

@@ -263,6 +263,21 @@ def test_red_brown_hair_is_dark_and_brown_skin_as_light_is_paper(preset):
     assert np.abs(np.diff(reds)).max() < 0.06 and ink(HAIR["dark auburn"], **by_degrees) < 1
 
 
+@pytest.mark.parametrize("preset", ["Manga", "Hatched", "Stippled"])
+def test_paint_and_cloth_of_a_strong_red_or_blue_have_a_tone_in_full_light(preset):
+    """Beside what is cream, grass or skin, which is paper."""
+    values = presets.find(preset).values | dict(use_lines=False, length_unit="PIXELS", tone_detail=0.0, tone_least=0.0)
+
+    def ink(color):
+        one = np.ones((90, 90, 3), np.float32)
+        layers = dict(color=one * np.float32(color), diffuse=1.05 * one, depth=one[..., :1], normal=one,
+                      combined=np.concatenate([1.05 * one * np.float32(color), one[..., :1]], 2))
+        return library.render(layers, values, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].mean()
+
+    assert min(ink(color) for color in ((0.62, 0.07, 0.07), (0.58, 0.06, 0.05), (0.06, 0.16, 0.42))) > 0.1
+    assert max(ink(color) for color in ((0.84, 0.8, 0.7), (0.1, 0.3, 0.08), *SKIN.values())) < 0.02
+
+
 def test_a_dark_sea_is_as_light_as_the_sky_in_it():
     """By day paper and by night black, while what is near black is black, and what mirrors less than it shows itself is
     as dark as under no mirror; nothing is cut where a colour passes into black or a sky into night."""
