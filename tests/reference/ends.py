@@ -39,11 +39,14 @@ class Picture:
 
     def agrees(self, rank, a, b):
         """Whether at a quarter, half and three quarters of the way what lies 1.5 pixels to either side differs, of
-        shapes and creases a pixel."""
-        if rank in (FORM, LIGHT):
+        shapes and creases a pixel; of light by anything."""
+        if rank == FORM:
             return 1.0
         side = _beside(a, b) / (1.5 if rank < COLOR else 1)
-        return min(self.margin(rank, p + side, p - side) for p in (a + (b - a) * k / 4 for k in (1, 2, 3)))
+        ways = [(p + side, p - side) for p in (a + (b - a) * k / 4 for k in (1, 2, 3))]
+        if rank == LIGHT:
+            return min(np.linalg.norm(self.look(rank, p)[0] - self.look(rank, q)[0]) for p, q in ways) - 0.002
+        return min(self.margin(rank, p, q) for p, q in ways)
 
     def wedge(self, rank, a, b, corner):
         """Whether what two lines enclose that would meet at the corner differs from what lies outside of either."""

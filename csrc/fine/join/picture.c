@@ -56,20 +56,22 @@ static bool differ(const float *a, const float *b, int rank)
 	       (rank == RANK_SEEN && distance2(a + 3, b + 3, 3) >= least_seen * least_seen);
 }
 
-/* Over a longer gap a line goes on only if what lies to either side of it differs. Light says too little; a
- * valley is alike on both. */
+static const float flat_light = 0.002f; /* test_fine_passes */
+
+/* Over a longer gap a line goes on only if what lies to either side of it differs, of light by anything: where it falls
+ * off softly it differs by little. A valley is alike on both. */
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b)
 {
 	int rank = rank_of(a);
 	float aside = bends(rank) ? beside_shape : beside;
 	float dx = b->placed.x - a->placed.x, dy = b->placed.y - a->placed.y, length = sqrtf(dx * dx + dy * dy),
 	      ox = -aside * dy / length, oy = aside * dx / length;
-	for (int k = 1; k <= 3 && rank != RANK_LIGHT && rank != RANK_FORM; k++) {
+	for (int k = 1; k <= 3 && rank != RANK_FORM; k++) {
 		float x = a->placed.x + 0.25f * (float)k * dx, y = a->placed.y + 0.25f * (float)k * dy, one[VALUES],
 		      two[VALUES];
 		look(n, rank, x + ox, y + oy, one);
 		look(n, rank, x - ox, y - oy, two);
-		if (!differ(one, two, rank))
+		if (rank == RANK_LIGHT ? distance2(one, two, 3) < flat_light * flat_light : !differ(one, two, rank))
 			return false;
 	}
 	return true;
