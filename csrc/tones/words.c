@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is clear as a whole: a letter or none of it, the letters of a word all one way though one stroke is a little
  * wider than the next, and small grounds, faces and pages, of which details leave no more than patches to tones. */
-#include "tones/tones.h"
+#include "tones/words.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,66 +15,10 @@ static const int alike = 20;             /* 0.08 * 255: from a pixel to the next
 static const uint8_t filled = 88;        /* contrast of what is fine because most of its thing is: it counts in full */
 static const size_t many = 3, some = 10; /* one in so many pixels */
 static const float small = 7; /* as wide as so many strokes: a face in which dots would be as large as eyes */
-static const float whole = 6; /* of a word one in so many pixels, surely fine, is enough */
-/* How many times its strokes, laid end to end, are as long as wide: two eyes 10 to 12.5, a letter 10 to 30. */
-static const float two_eyes = 12, word = 15;
-static const float slanted = 0.97f;   /* cosine of what is still of one plane */
-static const float flat_share = 0.6f; /* so much of a flat thing is */
-static const float outline = 0.45f;   /* of what is about a word: little wider than a line */
 
 /* So many reaches about a dark pixel its ground is looked for, in so many rows of so many places. */
 enum { reaches = 3, looks = 13 };
 static const int least_contrast = 76; /* 0.3 * 255 */
-
-typedef struct work {
-	const frame *f;
-	const tone_detail *d;
-	uint32_t *open; /* pixels whose neighbours have not been looked at */
-	bool dark;      /* dark details are looked at */
-	int gap;        /* half of what may lie between letters */
-} work;
-
-static uint8_t *row_of(const work *w, uint8_t *plane, int y)
-{
-	return plane + (ptrdiff_t)y * w->f->width;
-}
-
-static uint8_t *details(const work *w)
-{
-	return w->dark ? w->d->dark : w->d->thin;
-}
-
-static size_t pixels_of(const work *w)
-{
-	return (size_t)w->f->width * (size_t)w->f->height;
-}
-
-typedef struct spot {
-	int x, y;
-	size_t i; /* of its pixel in a plane */
-} spot;
-
-static spot spot_of(const work *w, uint32_t i)
-{
-	uint32_t width = (uint32_t)w->f->width, y = i / width;
-	return (spot){(int)(i - y * width), (int)y, i};
-}
-
-/* The neighbours of a pixel in the frame; returns how many. */
-static int beside(const work *w, spot s, spot to[4])
-{
-	size_t width = (size_t)w->f->width;
-	int n = 0;
-	if (s.x > 0)
-		to[n++] = (spot){s.x - 1, s.y, s.i - 1};
-	if (s.x + 1 < w->f->width)
-		to[n++] = (spot){s.x + 1, s.y, s.i + 1};
-	if (s.y > 0)
-		to[n++] = (spot){s.x, s.y - 1, s.i - width};
-	if (s.y + 1 < w->f->height)
-		to[n++] = (spot){s.x, s.y + 1, s.i + width};
-	return n;
-}
 
 /* Whether the same thing goes on from a pixel to its neighbour. */
 static bool goes_on(const frame *f, spot s, spot t)
@@ -236,83 +180,6 @@ static void down_rows(void *data, int y0, int y1, int thread)
 	}
 }
 
-/* How surely what hangs together over what is open is a word: wholly from half of the sureness on that its pixels have,
- * each of which counts as much as it is sure, for where strokes meet they are long; less where hardly any are, as of
- * bars that folds cut to pieces. */
-static uint8_t sureness(const work *w, const uint8_t *sure, size_t count)
-{
-	size_t all = 0;
-	uint64_t sum = 0, squares = 0;
-	for (size_t k = 0; k < count; k++) {
-		bool counts = details(w)[w->open[k]] != 0;
-		uint64_t own = counts ? sure[w->open[k]] : 0;
-		all += counts;
-		sum += own;
-		squares += own * own;
-	}
-	if (sum == 0)
-		return 0;
-	float mean = (float)sum / (255 * (float)all), own = (float)squares / (float)sum;
-	return (uint8_t)(int)(min(2 * own * most_one(whole * mean), 255) + 0.5f);
-}
-
-/* How much of what is about light things that hang together is: round ones are eyes, which have an outline. Beside a
- * pupil, which is darker than what the eye lies on, it has no edge; the hole of a letter shows that, and is one. */
-static uint8_t strokes(const work *w, size_t count)
-{
-	size_t area = 0, edges[2] = {0}, sum[2] = {0};
-	for (size_t k = 0; k < count; k++) {
-		spot to[4];
-		if (!details(w)[w->open[k]])
-			continue;
-		area++;
-		for (int n = beside(w, spot_of(w, w->open[k]), to) - 1; n >= 0; n--) {
-			bool inside = w->d->dark[to[n].i] != 0, is_edge = !details(w)[to[n].i];
-			edges[inside] += is_edge;
-			sum[inside] += is_edge ? w->d->value[to[n].i] : 0;
-		}
-	}
-	float about = (float)sum[0] / max((float)edges[0], 1), within = (float)sum[1] / max((float)edges[1], 1);
-	float pupil = edges[0] ? clamp01((about - within - 2) * 0.25f) : 0;
-	float edge = (float)edges[0] + (1 - pupil) * (float)edges[1], length = edge * edge / (4 * (float)area);
-	return (uint8_t)(int)(255 * mix(outline, 1, clamp01((length - two_eyes) / (word - two_eyes))) + 0.5f);
-}
-
-/* A normal in whole numbers, whose sums are the same in any order; 0 where there is none. */
-static void normal_of(const work *w, uint32_t i, int way[3])
-{
-	spot s = spot_of(w, i);
-	const float *n = layer_row(w->f, ENCRE_LAYER_NORMAL, s.y) + (ptrdiff_t)3 * s.x;
-	float size2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-	bool there = size2 > 0 && size2 < INFINITY;
-	for (int c = 0; c < 3; c++)
-		way[c] = there ? (int)(1000 * (n[c] / sqrtf(size2))) : 0;
-}
-
-/* Whether light things that hang together lie in one plane, 255 or 0: letters do, though the sides of raised ones are
- * seen; eyes, brows and hair do not. */
-static uint8_t flatness(const work *w, size_t count)
-{
-	int64_t sum[3] = {0}, all = 0, along = 0;
-	int way[3];
-	if (!w->f->layer[ENCRE_LAYER_NORMAL].data)
-		return 255;
-	for (size_t k = 0; k < count; k++) {
-		normal_of(w, w->open[k], way);
-		for (int c = 0; c < 3; c++)
-			sum[c] += details(w)[w->open[k]] ? way[c] : 0;
-	}
-	float x = (float)sum[0], y = (float)sum[1], z = (float)sum[2],
-	      least = 1000 * slanted * sqrtf(x * x + y * y + z * z);
-	for (size_t k = 0; k < count; k++) {
-		normal_of(w, w->open[k], way);
-		bool own = details(w)[w->open[k]] != 0;
-		all += own;
-		along += own && (float)way[0] * x + (float)way[1] * y + (float)way[2] * z > least;
-	}
-	return (float)along > flat_share * (float)all ? 255 : 0;
-}
-
 static void spread(const work *w)
 {
 	uint8_t *state = w->d->raw, *sure = w->d->sure[w->dark];
@@ -336,8 +203,8 @@ static void spread(const work *w)
 					w->open[count++] = (uint32_t)to[n].i;
 				}
 		}
-		uint8_t all = sureness(w, sure, count), lines = w->dark ? 0 : strokes(w, count);
-		uint8_t flat = w->dark || !w->d->prints ? 0 : flatness(w, count);
+		uint8_t all = ISA(word_sureness)(w, sure, count), lines = w->dark ? 0 : ISA(word_strokes)(w, count);
+		uint8_t flat = w->dark || !w->d->prints ? 0 : ISA(word_flatness)(w, count);
 		for (size_t k = 0; k < count; k++)
 			if (details(w)[w->open[k]]) {
 				w->d->print[w->open[k]] = lines;
