@@ -58,7 +58,7 @@ STRANGE = """
 
 Of 28 November 2026 (`tests/judge/unseen.py`): all sizes, seeds and cameras were fixed before anything was measured, and
 one thing in FINE was changed for them since: in the pan of the window a line of light ran on for six pixels where the
-light is even. Stacks of coins two to six pixels thick, a net of cords under two, a window
+light is even. The numbers are of before that. Stacks of coins two to six pixels thick, a net of cords under two, a window
 and the shadows of its bars, painted vases, a typewriter's keys, a ladder on a roof of battens, chess, umbrellas with
 ribs, a propeller of triangles, honeycombs, an accordion, dice with bevels from a third of a pixel to seven and spots
 half a pixel high; of the last five in the table our rasteriser tells. What may be left out there may be here, but no
