@@ -56,15 +56,15 @@ on rocks and pipes folds close beside an outline were dashed, and the two rims o
 STRANGE = """
 ## Scenes that nothing was tuned on
 
-Of 28 November 2026 (`tests/judge/unseen.py`): all sizes, seeds and cameras were fixed before anything was measured, and
-one thing in FINE was changed for them since: in the pan of the window a line of light ran on for six pixels where the
-light is even. The numbers are of before that. Stacks of coins two to six pixels thick, a net of cords under two, a window
-and the shadows of its bars, painted vases, a typewriter's keys, a ladder on a roof of battens, chess, umbrellas with
-ribs, a propeller of triangles, honeycombs, an accordion, dice with bevels from a third of a pixel to seven and spots
-half a pixel high; of the last five in the table our rasteriser tells. What may be left out there may be here, but no
-bend for colours close to it. For FINE four are also moved by three fractions of a pixel. *still* is the worst of all
-twelve in frames of 200 by 150, as the camera moves by an eighth of a pixel aside and an eleventh up from frame to
-frame: the others are judged for it by one ball (first table) or not at all.
+Of 28 November 2026 (`tests/judge/unseen.py`): all sizes, seeds and cameras were fixed before anything was measured,
+and one thing in FINE was changed for them since: in the pan of the window a line of light ran on for six pixels where
+the light is even. The numbers are of before that. Stacks of coins two to six pixels thick, a net of cords under two,
+a window and the shadows of its bars, painted vases, a typewriter's keys, a ladder on a roof of battens, chess,
+umbrellas with ribs, a propeller of triangles, honeycombs, an accordion, dice with bevels from a third of a pixel to
+seven and spots half a pixel high; of the last five in the table our rasteriser tells. What may be left out there may
+be here, but no bend for colours close to it. For FINE four are also moved by three fractions of a pixel. *still* is
+the worst of all twelve in frames of 200 by 150, as the camera moves by an eighth of a pixel aside and an eleventh up
+from frame to frame: the others are judged for it by one ball (first table) or not at all.
 What is seen in the pictures of those that break it: stripes, bars of shadow and squares closer than about three pixels
 join by rungs and forks at other places from frame to frame.
 
