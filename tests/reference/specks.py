@@ -15,18 +15,17 @@ def _about(light, y, x):
 
 
 def _island(light, start, layers):
-    """Its pixels, or None if it reaches a rim beyond which the frame goes on."""
-    found, todo = {start}, [start]
+    """Its pixels, and whether it reaches a rim beyond which the frame goes on."""
+    found, todo, beyond = {start}, [start], False
     height, width = light.shape
     while todo:
         y, x = todo.pop()
-        if (y == 0 < layers.y or x == 0 < layers.x or y == height - 1 < layers.full_height - 1 - layers.y
-                or x == width - 1 < layers.full_width - 1 - layers.x):
-            return None
+        beyond |= (y == 0 < layers.y or x == 0 < layers.x or y == height - 1 < layers.full_height - 1 - layers.y
+                   or x == width - 1 < layers.full_width - 1 - layers.x)
         near = {at for at in _about(light, y, x) if light[at]} - found
         found |= near
         todo += near
-    return sorted(found)
+    return sorted(found), beyond
 
 
 def fill(layers, params, picture, ink=None):
@@ -35,14 +34,16 @@ def fill(layers, params, picture, ink=None):
     light, left = bright > BLACK, bright > BLACK
     lightness = np.sqrt(np.clip(layers.albedo @ (0.2126, 0.7152, 0.0722), 0, 1))
     picture, ink = picture.copy(), None if ink is None else ink.copy()
+    if not np.any(params.at("use_specks", layers.style)):
+        return picture, ink
     for start in map(tuple, np.argwhere(light)):
         if not left[start]:
             continue
-        island = _island(light, start, layers)
-        if island is None:
-            continue
+        island, beyond = _island(light, start, layers)
         rows, columns = np.array(island).T
         left[rows, columns] = False
+        if beyond:
+            continue
         style = layers.style[start]
         size = params.at("speck_size", style) * params.pixels(layers.full_height)
         size *= params.at("use_specks", style)
