@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | docs | languages | hashes | test | test-long | mutate | bench | bench-peers | bench-live | lint |
-# extension | wheels | clean. Each sets up what it needs in .venv.
+# make demo | gallery | docs | languages | hashes | test | test-all | test-long | mutate | bench | bench-peers |
+# bench-live | lint | extension | wheels | clean. Each sets up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
@@ -9,8 +9,8 @@ RUN := .venv/bin/python
 # Python keeps what it has compiled, whatever the shell says: tests begin hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo gallery docs languages hashes extension wheels blenders test test-long mutate bench bench-peers bench-live lint \
-	clean build
+.PHONY: demo gallery docs languages hashes extension wheels blenders test test-all test-long mutate bench bench-peers bench-live \
+	lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -61,10 +61,17 @@ extension: .venv/ready
 wheels: .venv/wheels
 	$(RUN) tools/wheels.py
 
-# Three files of tests at a time, in the order of their folders: those that render come first. One more than two cores
-# work on, for tests in windows wait for most of their time.
+# One process more than there are cores: tests wait now and then. Of test-all's windows and packages a file at a time,
+# as long as a file has what its tests share.
+PYTEST = $(RUN) -m pytest -q -n $$(($$(getconf _NPROCESSORS_ONLN) + 1)) --dist loadfile --no-loadscope-reorder
+
 test: build
-	$(RUN) -m pytest -q -m "not long" -n 3 --dist loadfile --no-loadscope-reorder
+	$(PYTEST) -m "not slow and not long"
+
+# What is too slow for `make test`, but for test-long's. Random jobs come last and by themselves: they use all cores.
+test-all: build
+	$(PYTEST) -m "slow and not long" --ignore tests/unit/test_fuzz.py
+	ENCRE_FUZZ_SECONDS=$${ENCRE_FUZZ_SECONDS:-120} $(RUN) -m pytest -q -m "slow and not long" tests/unit/test_fuzz.py
 
 test-long: build .venv/wheels $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q

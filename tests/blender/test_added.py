@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from encre.cli import multilayer
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 LINES = {

@@ -45,6 +45,7 @@ def test_operators(blender, tmp_path):
     assert "Traceback" not in shot.output
 
 
+@pytest.mark.slow
 def test_dialog_escape_and_undo(tmp_path):
     shot = blenders.window(WINDOW, "bake", ".", (1000, 700), "--enable-event-simulate", cwd=tmp_path)
     facts = {name: values[0] for name, values in shot.facts.items()}

@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from encre.pen import library
 
+pytestmark = pytest.mark.slow
+
 ROOM = Path(__file__).parents[2] / "scenes" / "living_room.py"
 
 # Builds the room and writes down what is in it.

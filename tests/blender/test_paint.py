@@ -116,16 +116,19 @@ def fact(shot, name):
     return shot.facts[name][0]
 
 
+@pytest.mark.slow
 def test_nothing_fails_in_the_window(shot):
     assert fact(shot, "finished")
     assert "Traceback" not in shot.output and "rna_uiItem" not in shot.output, shot.output[-3000:]
 
 
+@pytest.mark.slow
 def test_each_operator_is_undone_in_one_step(shot):
     assert fact(shot, "undone") == [[255], None, [0], [255], None]
     assert fact(shot, "paint undone") == ["VERTEX_PAINT", [128], "OBJECT", None]
 
 
+@pytest.mark.slow
 def test_strokes_add_and_subtract(shot):
     (least, most), right = fact(shot, "raised")
     assert least == 128 and 155 <= most <= 160 and right == [128, 128]  # a quarter
@@ -136,15 +139,18 @@ def test_strokes_add_and_subtract(shot):
     assert least > fact(shot, "lowered")[0][0] + 20
 
 
+@pytest.mark.slow
 def test_strokes_are_mirrored(shot):
     left, right = fact(shot, "mirrored")
     assert left[1] > 200 and right == [128, 255]  # on the left it was lowered before
 
 
+@pytest.mark.slow
 def test_leaving_vertex_paint_clears_the_row(shot):
     assert fact(shot, "pressed") == "thickness" and fact(shot, "left") is None
 
 
+@pytest.mark.slow
 def test_the_heat_map_is_switched_by_the_row(shot):
     assert fact(shot, "heat map") == ["RENDERED", "CONTROL", "thickness", True]
     assert fact(shot, "no heat map") == ["RENDERED", "FINAL"]

@@ -13,6 +13,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 
+pytestmark = pytest.mark.slow
+
 INSIDE = Path(__file__).parent / "inside"
 DENOISER = "libOpenImageDenoise.so.2"
 

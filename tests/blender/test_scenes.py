@@ -8,6 +8,8 @@ import exr
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 SCENES = [path for path in (Path(__file__).parents[2] / "scenes").glob("*.py") if "def build()" in path.read_text()]
 ELSEWHERE = {"living_room", "street"}  # files of tests have them rendered, larger
 

@@ -6,6 +6,8 @@ from pathlib import Path
 import blenders
 import pytest
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def shot(tmp_path_factory):

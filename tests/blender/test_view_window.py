@@ -9,6 +9,8 @@ import OpenImageIO as oiio
 import pytest
 from encre.pen import colour
 
+pytestmark = pytest.mark.slow
+
 WINDOW = Path(__file__).parent / "inside" / "view_window.py"
 
 

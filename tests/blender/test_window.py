@@ -8,6 +8,8 @@ import OpenImageIO as oiio
 import pytest
 from encre.pen import library
 
+pytestmark = pytest.mark.slow
+
 WINDOW = Path(__file__).parents[1] / "blender" / "inside" / "window.py"
 
 

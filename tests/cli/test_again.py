@@ -116,12 +116,14 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
     "another detector": ("scene.encre.edge_detector = 'SOBEL'\n", None, True),
     "stretched pixels": ("scene.render.pixel_aspect_x = 2\n", None, True),
 }
-QUICK = ("border", "by example", "view layers", "supersample", "painted controls",
-         "blurred mirror", "what has no mesh of its own", "mirror of Encre's layers")  # others: test_cli_render
+# Of each a mark, if it takes long; of the others test_cli_render has some.
+MARKS = dict.fromkeys(FEATURES, pytest.mark.long) | dict.fromkeys(
+    ("border", "by example", "supersample", "blurred mirror", "mirror of Encre's layers",
+     "what has no mesh of its own"),
+    pytest.mark.slow) | dict.fromkeys(("view layers", "painted controls"), ())
 
 
-@pytest.mark.parametrize("name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.long)
-                                  for name in FEATURES])
+@pytest.mark.parametrize("name", [pytest.param(name, marks=marks) for name, marks in MARKS.items()])
 def test_combined_again(tmp_path, name):
     lines, words, same = FEATURES[name]
     (tmp_path / "scene.py").write_text(SCENE + lines)

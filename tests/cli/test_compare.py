@@ -13,6 +13,8 @@ import pytest
 from encre.cli import tools
 from encre.pen import colour, library
 
+pytestmark = pytest.mark.slow
+
 compare = tools.load("compare", "compare")
 
 # Planes that face the camera, 2 away on the left and 4 on the right, with stripes that are alike in red.

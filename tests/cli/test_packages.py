@@ -17,6 +17,8 @@ import exr
 import pytest
 from encre.pen.installed import LIBRARY
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 SCENE = '''
 import bpy

@@ -25,6 +25,7 @@ def test_fine_keeps_its_promises(fine):
     assert verdict.broken(fine) == {}
 
 
+@pytest.mark.slow
 def test_the_page_tells_of_fine(fine):
     agrees(fine, "FINE")
 
@@ -54,8 +55,8 @@ def breaks_no_more(name, number):
 
 def quick_ones(names):
     """Those of SHORT, and the others for the long run."""
-    return pytest.mark.parametrize("name", [name if name in SHORT else pytest.param(name, marks=pytest.mark.long)
-                                            for name in names])
+    return pytest.mark.parametrize("name", [
+        pytest.param(name, marks=pytest.mark.slow if name in SHORT else pytest.mark.long) for name in names])
 
 
 @quick_ones((*kinds.ANALYTIC, *kinds.MESHES))

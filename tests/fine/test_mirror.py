@@ -11,6 +11,8 @@ from encre.cli import composite, multilayer
 from encre.pen import layers, library, metadata, saved
 from encre.pen.settings import Settings
 
+pytestmark = pytest.mark.slow
+
 SCENE = Path(__file__).parents[1] / "blender" / "inside" / "glass.py"
 PEN = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=1.0, line_thickness=2.0, length_unit="PIXELS",
            width_object=1.0, width_depth=1.0, width_normal=1.0, width_color=1.0, line_softness=0.0, line_paper=0.0,

@@ -11,6 +11,8 @@ import pytest
 from encre.pen.installed import LIBRARY
 from encre.pen.library import load
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 RENDER = """
 import hashlib, sys

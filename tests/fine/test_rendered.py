@@ -16,6 +16,8 @@ from encre.cli import composite
 from judge import measure, meshes, scenes, verdict
 from judge.camera import look
 
+pytestmark = pytest.mark.slow
+
 SIZE = 270, 480
 PARAMS = verdict.PARAMS | {"edge_light": 0.0}
 SCENE = '''

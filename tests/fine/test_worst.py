@@ -18,6 +18,8 @@ import pytest
 from encre.pen.installed import LIBRARY
 from encre.pen.library import Library, load
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 WIDTH, HEIGHT = 640, 360
 SETTINGS = bench.SOURCES["with colour and light"]

@@ -34,7 +34,8 @@ def run(*command, **options):
 
 
 @pytest.fixture(scope="module", params=[
-    pytest.param(kind, marks=() if "address" in kind or SECONDS >= 60 else pytest.mark.long) for kind in SHARE])
+    pytest.param(kind, marks=pytest.mark.slow if "address" in kind or SECONDS >= 60 else pytest.mark.long)
+    for kind in SHARE])
 def fuzz(request, tmp_path_factory):
     """(command that runs jobs, share of the time). The arena is guarded, the invariants of FINE are checked."""
     kind, out = request.param, tmp_path_factory.mktemp("fuzz")

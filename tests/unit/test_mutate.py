@@ -12,6 +12,7 @@ import drawn
 import mutants
 import mutate
 import numpy as np
+import pytest
 from encre.pen.job import Frame, Lamp, Materials, Mesh, Program
 from encre.pen.library import Library, load
 from encre.pen.scene import Scene
@@ -46,6 +47,7 @@ def test_the_list_of_what_none_can_notice_names_lines_that_are_there():
         assert (ROOT / name).read_text(encoding="utf-8").count(old) == 1, name
 
 
+@pytest.mark.slow
 def test_changes_that_matter_are_noticed():
     done = subprocess.run([sys.executable, "tests/helpers/mutate.py", "--seed", "1", "--count", "3", "--floats",
                            "--only", "csrc/base/metric.c"], cwd=ROOT, capture_output=True, text=True)
@@ -95,6 +97,7 @@ def pictures(library):
     return [picture.tobytes() for picture in made]
 
 
+@pytest.mark.slow
 def test_how_work_is_cut_up_and_saved_and_who_compiles_changes_no_byte(tmp_path, monkeypatch):
     """By clang where it is: what is installed is gcc's."""
     shutil.copytree(ROOT / "csrc", tmp_path / "csrc")
