@@ -2,17 +2,18 @@
 """The command line.
 
 In: arguments, files. Out: files, sentences on the standard error, an exit status: 0; 2 for usage, input and an output
-that can't be written; 1 for what fails under way; 130 when interrupted. A file is written whole or not at all.
+that can't be written; 1 for what fails under way; 75 for what may not another time; 130 when interrupted. A file is
+written whole or not at all.
 
 arguments knows what the command line may hold, main has one function for each command. render has child start a Blender
-that runs inside, and talks with it on a private line; staging sets up the scene there, needed finds the files that it
-uses: these three alone know Blender.
+that runs inside, and talks with it on a private line; frames says what it draws next, and where pictures go. staging
+sets up the scene there, needed finds the files that it uses: these two and inside alone know Blender.
 progress shows what is said; sequence knows frames, their files and the marks by which finished ones are known;
-workplace keeps what is half made and who has claimed what. restyle has composite draw files again, jobs by several
-processes, and bake works on textures, all without any Blender; substitutes stand in for passes that a file lacks;
-images reads and writes files by OpenImageIO, multilayer those of passes, png what is to be seen, which view makes of
-light; room holds large ones, denoiser cleans light, installed finds what Blenders here bring along for that and for
-view; interrupt makes Ctrl-C stop the library; tools finds the benchmarks of a checkout.
+workplace keeps what is half made and who has claimed what, lease says until when. restyle has composite draw files
+again, jobs by several processes, and bake works on textures, all without any Blender; substitutes stand in for passes
+that a file lacks; images reads and writes files by OpenImageIO, multilayer those of passes, png what is to be seen,
+which view makes of light; room holds large ones, denoiser cleans light, installed finds what Blenders here bring along
+for that and for view; interrupt makes Ctrl-C stop the library; tools finds the benchmarks of a checkout.
 
 To add: a command to arguments.parser() and main.COMMANDS, its work in a file of its own; a kind of file beside png.
 render gives inside a JSON file with what is to be done, and one frame after the other on the line: a new word between

@@ -8,16 +8,18 @@ import textwrap
 
 from ..pen import layers
 from ..pen.errors import EncreError
-from . import images, sequence
+from . import images, lease, sequence
 from .progress import say
 
 MOST_JOBS = 256
 MOST_SAMPLES = 1 << 24  # Cycles takes no more
+AGAIN = 75  # as sysexits.h has it: the same command may well succeed later, or on another machine
 
 STATUS = """exit status:
-  0    all is done
-  1    something failed under way
+  0    all is done, every picture is in its place
+  1    something failed under way, and would again
   2    the command, its input or its output can't be used
+  75   try again: memory ran out, a process was killed or took too long, or others have what is left
   130  interrupted"""
 
 
@@ -132,12 +134,18 @@ def parser():
     whole.add_argument("--version", action="version", version=f"encre {images.version()}")
     commands = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
 
+    share = argparse.ArgumentParser(add_help=False)
+    share.add_argument("--no-wait", action="store_true", help=(
+        "end with status 75 where others have what is left, instead of waiting for it"))
+    share.add_argument("--lease", metavar="S", type=_seconds, default=lease.SECONDS, help=(
+        f"seconds after which others may take a frame over of which nothing was heard (default: {lease.SECONDS})"))
+
     style = argparse.ArgumentParser(add_help=False)
     style.add_argument("--preset", metavar="P", help="apply a preset: its name, as encre presets lists them, or file")
     style.add_argument("--set", metavar="ID=VALUE", action="append", default=[], dest="sets",
                        help="change a parameter after the preset (encre params lists them); may be repeated")
 
-    command = commands.add_parser("render", parents=[style], help="render a scene with Blender", description=(
+    command = commands.add_parser("render", parents=[style, share], help="render a scene with Blender", description=(
         "Render a scene with Blender. A .py scene is run in an empty file. Blender is --blender, else the Python "
         "module bpy, else `blender` on PATH. With --resume several processes may render one sequence: each takes "
         "frames that no other has."), examples="""examples:
@@ -171,7 +179,8 @@ def parser():
     command.add_argument("--quick", action="store_true", help="with --resume: don't read finished frames to their end")
     command.add_argument("--keep-going", action="store_true",
                          help="go on after a frame that failed, and say at the end which")
-    command.add_argument("--frame-timeout", metavar="S", type=_seconds, help="give a frame up after so many seconds")
+    command.add_argument("--frame-timeout", metavar="S", type=_seconds, help=(
+        "give a frame, or opening the scene, up after so many seconds"))
     command.add_argument("--strict", action="store_true", help=(
         "missing or broken textures, libraries, caches and styles, scripts that fail, and a file newer than this "
         "Blender are errors"))
@@ -183,7 +192,7 @@ def parser():
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
     command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
 
-    command = commands.add_parser("composite", parents=[style], help="restyle a rendered multilayer EXR", description=(
+    command = commands.add_parser("composite", parents=[style, share], help="restyle a rendered EXR", description=(
         "Restyle a rendered multilayer EXR, without Blender. The settings in the file are where it starts."),
         examples="""examples:
   encre composite 0001.exr -o panel.png --preset ink_only --set line_thickness=6

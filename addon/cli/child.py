@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Blender that runs inside.py, and the private line on which the two talk, one JSON object in a row of text.
 
-What the child prints is never taken for a message: it holds names that a scene's maker chose. The child ends when the
-line does, also where this process was killed.
+A Child is any such process, a Blender one whose words are passed on. What the child prints is never taken for a
+message: it holds names that a scene's maker chose. The child ends when the line does, also where this process was
+killed.
 """
 
 import contextlib
@@ -18,6 +19,7 @@ import time
 from collections import deque
 from pathlib import Path
 
+from ..pen.errors import EncreError
 from . import workplace
 
 INSIDE = Path(__file__).with_name("inside.py")
@@ -26,8 +28,32 @@ _PIPES = os.name == "posix"  # elsewhere no pipe can be waited for together with
 _ENDS = re.compile(rb"[\r\n]+")
 
 
+# How a system ends what takes too much memory, and a farm what it wants to run elsewhere; a shell says 128 more.
+_KILLED = {-number for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP", "SIGXCPU")
+           if (number := getattr(signal, name, None)) is not None}
+_MEMORY = re.compile(r"memory: there is none left|out of (\w+ )?memory|not enough memory|MemoryError", re.IGNORECASE)
+
+
+class RenderError(EncreError):
+    """Rendering failed under way."""
+
+
+class TryAgain(RenderError):
+    """Likewise, for a reason that another time or another machine may not have."""
+
+
+def failure(words):
+    """The error that says these words."""
+    return (TryAgain if _MEMORY.search(words) else RenderError)(words)
+
+
 class Ended(Exception):
-    """The child ended by itself; str() tells how, in half a sentence."""
+    """The child ended by itself; str() tells how, in half a sentence; killed: whether somebody ended it."""
+
+    def __init__(self, code, last):
+        self.killed = code in _KILLED or 128 - code in _KILLED
+        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
+        super().__init__(f"({how})" + (f'; its last words were "{last[0]}"' if last else ""))
 
 
 class _Stream:
@@ -112,8 +138,7 @@ class Child:
             rows, more = self._printed.rows()
             self._heard(*(row for _, row in rows))
         self._heard(self._printed.rest)
-        how = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit status {code}"
-        raise Ended(f"({how})" + (f'; its last words were "{self._last[0]}"' if self._last else ""))
+        raise Ended(code, self._last)
 
     def _wait(self, deadline):
         """Reads what comes next. TimeoutError."""
@@ -147,3 +172,42 @@ class Child:
         for file in filter(None, (self._process.stdout, self._file)):
             file.close()
         self._temporary.__exit__()
+
+
+class Blender(Child):
+    """A child whose notes, warnings and errors are told on the way. alive(): is called whenever something is heard."""
+
+    def __init__(self, command, job, progress, alive=lambda: None):
+        super().__init__(command, job, self._hear)
+        self.progress, self.alive, self.doing, self.error = progress, alive, "", EncreError
+
+    def _hear(self, line):
+        self.alive()
+        return self.progress.hear(line)
+
+    def __exit__(self, *reason):
+        self.progress.clear()
+        super().__exit__(*reason)
+
+    def begin(self, frame):
+        self.doing, self.error = f"rendering frame {frame}", RenderError
+
+    def expect(self, *kinds, deadline=None):
+        """The next message of one of these kinds. EncreError, RenderError, TryAgain: the child failed; TimeoutError."""
+        while True:
+            try:
+                event = self.next(deadline)
+            except Ended as how:
+                where = f"while {self.doing}" if self.doing else "before it ran Encre; is it Blender?"
+                kind = TryAgain if how.killed else self.error
+                raise kind(f"{self.command[0]} stopped {where} {how}") from None
+            self.alive()
+            kind = event["event"]
+            if kind in kinds:
+                return event
+            if kind == "doing":
+                self.doing = event["text"]
+            elif kind == "error":
+                raise TryAgain(event["text"]) if _MEMORY.search(event["text"]) else self.error(event["text"])
+            elif kind in ("note", "warning"):
+                self.progress.say(kind, event["text"])

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..pen import colour, library
 from ..pen.errors import EncreError
+from . import lease
 from .workplace import Workplace
 
 _LINEAR = "openexr", "hdr"  # kinds of files that hold linear light
@@ -275,11 +276,11 @@ def check_place(path):
 
 
 @contextlib.contextmanager
-def writing(paths):
+def writing(paths, seconds=lease.SECONDS):
     """A Workplace beside the files `paths`, which are to be made in it. Raises WriteError for what goes wrong there."""
     path = paths[0]
     try:
-        with Workplace(os.path.dirname(os.path.abspath(path))) as place:
+        with Workplace(os.path.dirname(os.path.abspath(path)), seconds=seconds) as place:
             yield place
     except OSError as error:
         raise WriteError(unwritable(path, error.strerror)) from None

@@ -4,6 +4,18 @@
 import contextlib
 import signal
 
+_BEATS = []  # functions that are called while the library makes progress
+
+
+@contextlib.contextmanager
+def beating(beat):
+    """Has beat() called again and again while the library works."""
+    _BEATS.append(beat)
+    try:
+        yield
+    finally:
+        _BEATS.remove(beat)
+
 
 @contextlib.contextmanager
 def heeded():
@@ -13,12 +25,18 @@ def heeded():
     drops it, and the work goes on.
     """
     came = []
+
+    def go_on(_fraction):
+        for beat in _BEATS:
+            beat()
+        return not came
+
     own = [number for name in ("SIGINT", "SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
            and signal.getsignal(number) == signal.default_int_handler]
     for number in own:
         signal.signal(number, lambda *_: came.append(True))
     try:
-        yield lambda _fraction: not came
+        yield go_on
     finally:
         for number in own:
             signal.signal(number, signal.default_int_handler)

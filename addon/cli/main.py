@@ -19,12 +19,13 @@ from ..pen import library, presets
 from ..pen.errors import EncreError, shown
 from ..pen.params import Chosen
 from . import images, substitutes, tools
-from .arguments import joined, parser
+from .arguments import AGAIN, joined, parser
 from .bake import bake
+from .child import RenderError, TryAgain
 from .jobs import run as run_jobs
 from .jobs import teller
 from .progress import Progress, say
-from .render import RenderError, render
+from .render import render
 from .restyle import LEFT, check, plan, restyle, sum_up
 
 
@@ -70,12 +71,13 @@ def _render(args):
     frames, progress = _frames(args), Progress(say, args.progress == "json", args.verbose)
     try:
         render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
-               dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going, blender=args.blender,
-               progress=progress, samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
+               dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going,
+               wait=not args.no_wait, seconds=args.lease, blender=args.blender, progress=progress,
+               samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
                view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
                autoexec=args.enable_autoexec, passes=args.passes, named=_named(args))
     except (EncreError, OSError, MemoryError) as error:
-        progress.tell("error", text=str(error))
+        progress.tell("error", text=_words(error), status=_status(error))
         raise
     progress.tell("done")
 
@@ -116,7 +118,8 @@ def _composite(args):
         run_jobs(args.argv, args.layers, whole, jobs, args.threads, args.keep_going, tell)
     else:
         restyle(whole, args.output, changes, teller(share[2], whole) if share else tell, share=(share or (0, 1))[:2],
-                resume=args.resume, keep_going=args.keep_going, view_layer=args.view_layer, threads=args.threads,
+                resume=args.resume, keep_going=args.keep_going, wait=not args.no_wait, seconds=args.lease,
+                view_layer=args.view_layer, threads=args.threads,
                 allow_paths=args.allow_paths, asked=asked, named=_named(args))
     if not share:
         sum_up(whole, states)
@@ -189,6 +192,14 @@ def _words(error):
     return str(error) or "there is not enough memory; give a smaller picture"
 
 
+def _status(error):
+    """The exit status that an error leads to."""
+    if isinstance(error, (TryAgain, MemoryError)):
+        return AGAIN
+    under_way = isinstance(error, (RenderError, images.WriteError)) or not isinstance(error, EncreError)
+    return 1 if under_way else 2
+
+
 def _ready_to_print():
     """A terminal that knows few characters gets the others written out, and a closed stream nothing."""
     for name in ("stdout", "stderr"):
@@ -219,8 +230,7 @@ def main(argv=None):
         return 0
     except (EncreError, MemoryError, OSError) as error:
         say("error", _words(error))
-        under_way = isinstance(error, (RenderError, images.WriteError)) or not isinstance(error, EncreError)
-        return 1 if under_way else 2
+        return _status(error)
     except Exception as error:  # a mistake of ours; no trace of it helps who rendered, its place helps who mends it
         at = traceback.extract_tb(error.__traceback__)[-1]
         say("error", f"this should not happen: {type(error).__name__}: {str(error)[:300]} "

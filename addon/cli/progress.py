@@ -58,9 +58,14 @@ class Progress:
         self.tell("frame", frame=frame, number=number, count=count)
         self._sample(0, 1)
 
-    def written(self, paths):
+    def written(self, paths, another=False):
+        """A frame is in its place; another: by another process, which was there first."""
         self.clear()
         took = time.monotonic() - self.start
+        if another:
+            self.say("note", f"frame {self.frame} was finished by another process meanwhile, whose picture stays")
+            self.label = ""
+            return
         self.tell("written", frame=self.frame, files=paths, seconds=round(took, 3))
         for path in () if self.as_json else paths:
             put(shown(f"{self.label}: {path} ({took:.1f} s)"), "stderr")

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 from ..pen import metadata
 from ..pen.errors import Cancelled, EncreError, shown
-from . import images, sequence, workplace
+from . import images, interrupt, lease, sequence, workplace
+from .child import RenderError, TryAgain
 from .composite import check as passes_of
 from .composite import composite, images_of
 from .progress import put, say
-from .render import RenderError
 
 FAILED, DRAWN, FINISHED, LEFT, BEGUN = "failed", "drawn", "finished", "left", "begun"  # what a frame may be
 
@@ -45,42 +45,61 @@ def plan(layers, out, frames, keep_going=False):
     return whole
 
 
-def restyle(whole, out, change, tell, *, share=(0, 1), resume=False, keep_going=False, say=say, **options):
+def restyle(whole, out, change, tell, *, share=(0, 1), resume=False, keep_going=False, wait=True,
+            seconds=lease.SECONDS, say=say, **options):
     """Restyles the Frames `whole` into `out`, the name of all.
 
     tell(frame, state, words) hears what becomes of each; share (k, n): only every n-th, from the k-th on; resume: leave
-    alone what is whole and was made from the same; keep_going: go on after one that failed; options: as composite() has
-    them. Raises what composite() does for a single file, which fails in no other way.
+    alone what is whole and was made from the same; keep_going: go on after one that failed; wait: for what others draw;
+    seconds: how long a claim lasts; options: as composite() has them. Raises what composite() does for a single file,
+    which fails in no other way.
     """
-    said, parent = {}, os.getppid()
+    said, parent, left, rounds, held = {}, os.getppid(), whole[share[0]::share[1]], 0, {}
     with contextlib.ExitStack() as stack:
         if share[1] > 1:  # its folder would stay if it were killed
             stack.callback(workplace.sweep, tempfile.gettempdir())
-        place = stack.enter_context(images.writing([out]))
-        for frame in whole[share[0]::share[1]]:
-            if share[1] > 1 and os.getppid() != parent:  # it was killed, and nobody waits for the rest
-                raise RenderError("the process that shares the frames out is gone; run again with --resume")
-            tell(frame, BEGUN)
-            try:
-                tell(frame, *_one(frame, change, place, resume, _once(say, said, frame.source), options))
-            except Cancelled:
-                raise
-            except (EncreError, OSError, MemoryError) as error:
-                if frame.number is None:
+        place = stack.enter_context(images.writing([out], seconds))
+        stack.enter_context(interrupt.beating(place.renew))
+        while left:
+            held, rounds = {}, rounds + 1
+            for frame in left:
+                if share[1] > 1 and os.getppid() != parent:  # it was killed, and nobody waits for the rest
+                    raise RenderError("the process that shares the frames out is gone; run again with --resume")
+                tell(frame, BEGUN)
+                try:
+                    state, words = _one(frame, change, place, resume or rounds > 1, _once(say, said, frame.source),
+                                        options)
+                    if state == LEFT:
+                        held[frame] = words
+                    else:
+                        tell(frame, state, words)
+                except Cancelled:
                     raise
-                tell(frame, FAILED, _reason(frame, error))
-                if not keep_going:
-                    return
+                except (EncreError, OSError, MemoryError) as error:
+                    if frame.number is None:
+                        raise
+                    tell(frame, FAILED, _reason(frame, error))
+                    if not keep_going:
+                        return
+            left = list(held)
+            if not wait and rounds > workplace.AT_ONCE:
+                break
+            if left:
+                for words in held.values() if rounds == workplace.AT_ONCE else ():
+                    say("note", f"{words}; waiting for it, or for its claim to run out")
+                place.wait(rounds)
+    for frame in left:
+        tell(frame, LEFT, held[frame])
 
 
-def _one(frame, change, place, resume, say, options):
-    """What became of a frame, and more words."""
+def _one(frame, change, place, again, say, options):
+    """What became of a frame, and more words. again: it may be finished."""
     name, start = os.path.basename(frame.path), time.perf_counter()
     if holder := place.claim(name):
-        return LEFT, f"{frame.path} is left to {holder}, which is drawing it"
+        return LEFT, f"{frame.path} is being drawn by {holder}"
     try:
-        texts = {metadata.MARK: _mark(frame.source, change, options)} if frame.number is not None or resume else None
-        if resume and images.text(frame.path, metadata.MARK) == texts[metadata.MARK] and images.whole(frame.path):
+        texts = {metadata.MARK: _mark(frame.source, change, options)} if frame.number is not None or again else None
+        if again and images.text(frame.path, metadata.MARK) == texts[metadata.MARK] and images.whole(frame.path):
             return FINISHED, ""
         try:
             composite(frame.source, frame.path, change, say=say, texts=texts, **options)
@@ -91,7 +110,7 @@ def _one(frame, change, place, resume, say, options):
         put(f"{shown(frame.path)} ({time.perf_counter() - start:.1f} s)")
         return DRAWN, ""
     finally:
-        place.release(name)
+        place.release()
 
 
 def _reason(frame, error):
@@ -114,6 +133,12 @@ def sum_up(whole, states, say=say):
         more = f"; not drawn after that: {rest}" if rest else ""
         raise RenderError(f"{bad} of {len(whole)} frames failed: {numbers(FAILED)}{more}; see the warnings above, and "
                           "run again with --resume")
+    if left := [frame for frame in whole if states.get(frame) == LEFT]:
+        others = f" and others {len(left) - 1} more" if len(left) > 1 else ""
+        raise TryAgain(f"{left[0].path} is being drawn by another process{others}; run again with --resume, or without "
+                       "--no-wait")
+    if lost := [frame.path for frame in whole if not os.path.isfile(frame.path)]:
+        raise TryAgain(f"{lost[0]}: was drawn and is gone again; run again with --resume")
 
 
 def _once(say, said, source):

@@ -62,6 +62,16 @@ def found(given):
     return sorted(frame for frame in frames if os.path.isfile(path(given, frame)))
 
 
+def stamp(path):
+    """What changes when another file takes this name; None: there is none."""
+    try:
+        with open(path, "rb") as file:  # opened, for a network's file to be looked up anew
+            found = os.fstat(file.fileno())
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino, found.st_mtime_ns, found.st_size
+
+
 def content(file):
     """A word for what a file holds. OSError: it can't be read."""
     sum_ = hashlib.sha256()

@@ -3,7 +3,6 @@
 
 import contextlib
 import os
-import re
 import resource
 import signal
 import subprocess
@@ -16,7 +15,7 @@ import exr
 import numpy as np
 import pytest
 from command import OFF, SIZE, fails, finish, start
-from encre.cli import images, multilayer, png, room, workplace
+from encre.cli import images, multilayer, png, room
 from encre.pen import metadata
 from encre.pen.job import Camera, Frame
 
@@ -209,30 +208,6 @@ def test_a_link_gives_way_to_the_picture(run, tmp_path, scene):
     (tmp_path / "out.png").symlink_to(other)
     assert run("composite", path, "-o", tmp_path / "out.png")[0] == 0
     assert other.read_bytes() == b"old" and not (tmp_path / "out.png").is_symlink()
-
-
-def test_folders_of_the_dead_are_swept(tmp_path):
-    code = ("import os, sys; from encre.cli.workplace import Workplace\n"
-            "place = Workplace(sys.argv[1]); place.claim('1.png'); print(place.path, flush=True); sys.stdin.read()")
-    child = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                             text=True)
-    theirs = Path(child.stdout.readline().strip())
-    foreign = tmp_path / re.sub(r"encre-[^-]*", "encre-elsewhere", theirs.name)
-    foreign.mkdir()
-    with workplace.Workplace(tmp_path) as place:
-        assert theirs.is_dir(), "its owner lives"
-        assert place.claim("1.png") and place.claim("2.png") is None
-        child.kill()
-        child.communicate()
-    assert not theirs.exists(), "whoever survives sweeps"
-    theirs.mkdir()
-    # The same number, but another process's: of this one, which started at another time.
-    reborn = tmp_path / re.sub(r"-\d+-\d+-([0-9a-f]{16})$", f"-{os.getpid()}-1-\\1", theirs.name)
-    reborn.mkdir()
-    with workplace.Workplace(tmp_path) as place:
-        assert not theirs.exists() and not reborn.exists() and foreign.is_dir()
-        assert place.claim("1.png") is None
-    assert os.listdir(tmp_path) == [foreign.name]
 
 
 def test_folders_that_go_while_others_look_for_them(tmp_path):

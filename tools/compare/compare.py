@@ -5,7 +5,7 @@ import os
 import random
 
 import numpy as np
-from encre.cli import images, render
+from encre.cli import child, images, render
 from encre.pen import library
 
 TITLES = {"plain": "Plain", "baked": "Baked lines", "dynamic": "Dynamic lines", "freestyle": "Freestyle",
@@ -32,7 +32,7 @@ def compare(scene, out, *, seed=0, quadrants_only=False, say=print, **options):
     def take(event):
         for made in event["pictures"].values():
             if not images.whole(made["path"]):  # Blender does not notice a full disk
-                raise render.RenderError(images.unwritable(event["path"], "the disk may be full"))
+                raise child.RenderError(images.unwritable(event["path"], "the disk may be full"))
         pictures = {name: read(made["path"]) for name, made in event["pictures"].items()}
         seconds = {name: made["seconds"] for name, made in event["pictures"].items()}
         drawn = [quadrants(pictures, order, caption(scene, event, order, seconds))]
