@@ -66,6 +66,9 @@ def passes(scene, view_layer):
                 wanted = {"Combined": layers.CYCLES["Combined"]}
             else:
                 wanted |= {**(layers.BEHIND if settings.wants_parts else {}), **(layers.SEEN if seen else {})}
+                if settings.fast and versions.compositor(scene) is None:
+                    wanted = {name: letters for name, letters in wanted.items()
+                              if versions.pass_name(name) not in spare(scene, view_layer)}
                 if _drawn_once(scene, view_layer):
                     wanted = {name: letters for name, letters in wanted.items() if name not in settings.unread}
             wanted |= own(scene, view_layer, (*settings.rastered, *(["seen_depth"] if seen else [])))

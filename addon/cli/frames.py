@@ -229,18 +229,21 @@ class Frames:
             raise failure(event["text"])
         self.progress.written(*self._take(frame, event["names"], quick))
 
-    def _slim(self, name):
-        """The name of the part without what restyling needs not, where the scene wants it so."""
+    def _packed(self, name):
+        """The name of the part as it is to stay: without what restyling needs not, where the scene wants it so. Blender
+        does not notice a full disk, it says that it saved. EncreError: pixels are missing."""
         part = os.path.join(self.place.path, name)
-        if not name.lower().endswith(".exr"):
-            return name
-        with multilayer.Exr(part) as exr:
-            scene = metadata.read(exr.metadata).scene
-            if scene is None or scene["save_layers"] != "SLIM":
-                return name
-            multilayer.rewrite(exr, os.path.join(self.place.path, f"slim-{name}"), composite.packer(exr, self.keep))
-        os.remove(part)
-        return f"slim-{name}"
+        if name.lower().endswith(".exr"):
+            with multilayer.Exr(part) as exr:
+                scene = metadata.read(exr.metadata).scene
+                if scene and scene["save_layers"] == "SLIM":  # packing reads all of it
+                    multilayer.rewrite(exr, os.path.join(self.place.path, f"slim-{name}"),
+                                       composite.packer(exr, self.keep), self.place.renew)
+                    os.remove(part)
+                    return f"slim-{name}"
+        if not images.whole(part):
+            raise EncreError
+        return name
 
     def _take(self, frame, names, quick):
         """Puts what Blender has written in its place; (the paths, whether another's pictures were there before)."""
@@ -249,15 +252,12 @@ class Frames:
         for name in names:
             match = re.fullmatch(rf"{frame}(_[^/\\\0]*)?{re.escape(ending)}", name, re.IGNORECASE | re.DOTALL)
             path = f"{stem}{(match and match[1]) or ''}{ending}"
-            part = os.path.join(self.place.path, name)
-            # Blender does not notice a full disk: it says that it saved.
-            if match and not images.whole(part):
-                raise RenderError(images.unwritable(path, "the disk may be full"))
             with self._placing(frame, name, path):
                 if not match:
                     raise ValueError
-                made[path] = self._slim(name)
-                png.stamp(os.path.join(self.place.path, made[path]), {metadata.MARK: self.mark(frame)})
+                made[path] = self._packed(name)
+                if ending.lower() == ".png":
+                    png.stamp(os.path.join(self.place.path, name), {metadata.MARK: self.mark(frame)})
         # Another may have taken the frame over, where it was long that nothing was heard of this process.
         if self._seen(frame) != self.before and self.finished(frame, quick):
             for name in made.values():
@@ -274,6 +274,8 @@ class Frames:
             yield
         except OSError as error:
             raise RenderError(images.unwritable(path, error.strerror)) from None
+        except EncreError:
+            raise RenderError(images.unwritable(path, "the disk may be full")) from None
         except ValueError:
             raise RenderError(f"frame {frame}: Blender says that it wrote {name!r}, which is no picture of this "
                               "frame") from None

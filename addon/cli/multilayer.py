@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pen.errors import EncreError
-from . import images
+from . import images, planes
 
 MOST_PACKED = 2000  # values in a byte of a file: no compression does better than a fourth of that
 _AT_ONCE = 1 << 29  # bytes
@@ -184,9 +184,10 @@ def _fill(path, part, spec, bands):
         raise images.unwritten(path, out, part)
 
 
-def rewrite(exr, part, packer):
+def rewrite(exr, part, packer, alive=lambda: None):
     """Writes what a slim.Packer makes of an open Exr into another file, `part`, with the same metadata: each pass as a
-    part of its own, which takes less room, or one part where there are views. Raises EncreError, WriteError.
+    part of its own, which takes less room, or one part where there are views. alive() is called now and then. Raises
+    EncreError, WriteError.
     """
     texts = {key: said for key, said in exr.metadata.items()
              if not key.startswith(("oiio:", "openexr:")) and key not in ("compression", "name", "view")}
@@ -202,27 +203,62 @@ def rewrite(exr, part, packer):
     for number, rows in enumerate(_packed(exr, packer, list(parts.values()))):
         good = good and (not number or out.open(part, specs[number], "AppendSubimage"))
         good = good and out.write_image(rows)
+        del rows  # not while the next are made
+        alive()
     if not (out.close() and good):
         raise images.unwritten(exr.path, out, part)
 
 
 def _packed(exr, packer, parts):
-    """Yields the pixels (H, W, channels) of each of the parts, which are lists of passes. As many are made at a time
-    as fit into some memory, for each time the whole file is read."""
-    height, width = exr.window.height, exr.window.width
+    """Yields the pixels (H, W, channels) of each of the parts, which are lists of passes."""
+    try:
+        with planes.Planes(exr.path) as found:
+            if all(name in found for each in packer.parts for name in packer.sources(each)):
+                for passes in parts:
+                    yield _made(packer, passes, exr.window, found)
+                return
+    except ValueError as reason:
+        if str(reason) == planes.MISSING:
+            raise EncreError(f"{exr.path}: can't be read to its end; render or copy it again") from None
+    yield from _unpacked(exr, packer, parts)
+
+
+def _kinds(packer, passes):
+    return [kind for each in passes for kind in packer.parts[each].values()]
+
+
+def _empty(kinds, window):
+    kind = np.float16 if {*kinds} == {"half"} else np.float32
+    return np.empty((window.height, window.width, len(kinds)), kind)
+
+
+def _made(packer, passes, window, found):
+    """Of a file that is mapped, one part at a time."""
+    picture = _empty(_kinds(packer, passes), window)
+    for y in range(0, window.height, images.ROWS):
+        k, end = 0, min(y + images.ROWS, window.height)
+        for each in passes:
+            rows = [np.asarray(found[name][y:end], np.float32) for name in packer.sources(each)]
+            for row in packer.pack(each, rows).values():
+                picture[y:end, :, k] = row
+                k += 1
+    return picture
+
+
+def _unpacked(exr, packer, parts):
+    """Of another, as many as fit into some memory, for each time the whole file is read."""
     while parts:
         kinds, size, count = [], 0, 0
         for passes in parts:
-            kinds.append([kind for each in passes for kind in packer.parts[each].values()])
-            size += height * width * len(kinds[-1]) * (2 if {*kinds[-1]} == {"half"} else 4)
+            kinds.append(_kinds(packer, passes))
+            size += exr.window.height * exr.window.width * len(kinds[-1]) * (2 if {*kinds[-1]} == {"half"} else 4)
             if count and size > _AT_ONCE:
                 break
             count += 1
         now, parts = parts[:count], parts[count:]
-        pictures = [np.empty((height, width, len(own)), np.float16 if {*own} == {"half"} else np.float32)
-                    for own, _ in zip(kinds, now, strict=False)]
+        pictures = [_empty(own, exr.window) for own, _ in zip(kinds, now, strict=False)]
         sources = {each: packer.sources(each) for passes in now for each in passes}
-        for y, band in exr.bands(sources, 0, height):
+        for y, band in exr.bands(sources, 0, exr.window.height):
             for passes, picture in zip(now, pictures, strict=True):
                 rows = [row for each in passes
                         for row in packer.pack(each, np.moveaxis(band[each], 2, 0)).values()]

@@ -12,6 +12,8 @@ from ..blender import ENGINE, images, properties, wanted
 from ..pen.errors import EncreError, unknown
 from . import needed
 
+MOST_PLAIN = 1 << 24  # pixels of a frame of which a file without compression, 5 GB, finds room
+
 
 def mute(scene, path):
     """Keeps keyframes and drivers from overwriting a value that the command line gives."""
@@ -147,7 +149,9 @@ def prepare(job, report):
     if job["size"]:
         scene.render.resolution_x, scene.render.resolution_y = job["size"]
         scene.render.resolution_percentage = 100
-    if words := settings.blots(scene.render.resolution_y * scene.render.resolution_percentage // 100):
+    width, height = (size * scene.render.resolution_percentage // 100
+                     for size in (scene.render.resolution_x, scene.render.resolution_y))
+    if words := settings.blots(height):
         report("note", text=words)
     picture = scene.render.image_settings
     exr = job["ending"].lower() == ".exr"
@@ -167,8 +171,11 @@ def prepare(job, report):
                                  "leads into another folder; change it")
     scene.render.use_file_extension = True
     if exr and "save_layers" not in job["values"] and scene.encre.save_layers == "AUTO" and properties.active(scene):
-        mute(scene, "encre.save_layers")
         scene.encre.save_layers = "SLIM"
+    if exr and scene.encre.save_layers == "SLIM":
+        mute(scene, "encre.save_layers")
+        if width * height <= MOST_PLAIN:  # frames.py packs it, once
+            picture.exr_codec = "NONE"
     return scene
 
 

@@ -77,7 +77,7 @@ class Packer:
             bits = _BITS.get(name, 23)
             self._add(where, dict.fromkeys(names, "float"), names, lambda *rows: [rounded(row, bits) for row in rows])
             return
-        self._add(where, dict.fromkeys(names, "half"), names, lambda *rows: [half(row) for row in rows])
+        self._add(where, dict.fromkeys(names, "half"), names, lambda *rows: [_halves(row) for row in rows])
         if rest := _RESTS.get(name):
             three = [full for full in names if full[-1] not in "aA"]
             self._add((layer, view, rest), {_renamed(full, name, rest): "half" for full in three}, three,
@@ -121,12 +121,27 @@ def _camera_sees(normal, camera):
 
 def half(values: np.ndarray) -> np.ndarray:
     """Floats as a half holds them."""
-    return np.clip(values, -MOST_HALF, MOST_HALF).astype(np.float16).astype(np.float32)
+    return _halves(values).astype(np.float32)
+
+
+def _held(values):
+    """Floats of those that a half can hold; most are, and looking is quicker than writing them anew."""
+    if values.size and not (values.min() >= -MOST_HALF and values.max() <= MOST_HALF):
+        return np.clip(values, -MOST_HALF, MOST_HALF)
+    return values
+
+
+def _halves(values):
+    return _held(values).astype(np.float16)
 
 
 def _bright(*rows):
-    held = [np.clip(row, -MOST_HALF, MOST_HALF) for row in rows]
-    return [np.where(np.abs(row) >= _BRIGHT, row - half(row), np.float32(0)) for row in held]
+    return [_rest(_held(row)) for row in rows]
+
+
+def _rest(row):
+    bright = np.abs(row) >= _BRIGHT
+    return np.where(bright, row - half(row), np.float32(0)) if bright.any() else np.zeros_like(row)
 
 
 def _rim(*rows):

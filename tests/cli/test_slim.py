@@ -5,7 +5,7 @@ import drawn
 import exr
 import numpy as np
 import pytest
-from encre.cli import composite, multilayer
+from encre.cli import composite, multilayer, planes
 from encre.pen import metadata, saved, slim
 from encre.pen.job import Camera, Frame
 
@@ -94,3 +94,36 @@ def test_of_what_sticks_places_are_floats_and_the_rest_halves():
     kinds = {name: set(made[f"ViewLayer.{name}"].values()) for name in (*saved.ANCHOR, "Encre Tangent", "Encre Card")}
     assert {name for name, found in kinds.items() if found == {"float"}} == {"Encre Anchor", "Encre Card"}
     assert all(found == {"half"} for name, found in kinds.items() if name not in ("Encre Anchor", "Encre Card"))
+
+
+@pytest.mark.parametrize("layout", exr.LAYOUTS)
+@pytest.mark.parametrize("half", [False, True])
+def test_planes_of_a_file_without_compression(tmp_path, passes, layout, half):
+    """The same as OpenImageIO reads; a file that lacks its end, or has compression, is told from one that is whole."""
+    pictures = {name: np.nan_to_num(picture, posinf=9) for name, picture in passes.items()}
+    window = (3, 2, 100, 90)
+    path = exr.write(tmp_path / "a.exr", pictures, layout, window=window, half=half, compression="none")
+    with multilayer.Exr(path) as opened, planes.Planes(path) as found:
+        for name in opened.channels:
+            assert np.array_equal(found[name], opened.read({"": [name]})[""][..., 0], equal_nan=True), name
+    whole = path.read_bytes()
+    path.write_bytes(whole[:-1])
+    with pytest.raises(ValueError, match=planes.MISSING):
+        planes.Planes(path)
+    for end in range(0, 400, 7):
+        path.write_bytes(whole[:end] or b"x")
+        with pytest.raises(ValueError):
+            planes.Planes(path)
+    with pytest.raises(ValueError):
+        planes.Planes(exr.write(path, pictures, layout))
+
+
+def test_of_a_file_that_is_mapped_the_same_is_made(tmp_path, passes):
+    made = []
+    for compression in "none", "zip":
+        path = exr.write(tmp_path / f"{compression}.exr", passes, compression=compression)
+        with multilayer.Exr(path) as whole:
+            packer = composite.packer(whole)
+            made.append(list(multilayer._packed(whole, packer, [[name] for name in packer.parts])))
+    for one, other in zip(*made, strict=True):
+        assert one.dtype == other.dtype and one.tobytes() == other.tobytes()

@@ -28,7 +28,8 @@ def saved(drawn):
             "Denoising Normal": drawn["normal"] * np.float32((1, 1, -1)), "Encre Seen Depth": drawn["depth"]}
 
 
-def write(path, pictures, layout="classic", layer="ViewLayer", metadata=None, window=None, half=False):
+def write(path, pictures, layout="classic", layer="ViewLayer", metadata=None, window=None, half=False,
+          compression="zip"):
     """window: (x, y, full width, full height); pictures: {classic pass name: (H, W) or (H, W, channels)}."""
     parts = {}
     for name, picture in pictures.items():
@@ -43,6 +44,7 @@ def write(path, pictures, layout="classic", layer="ViewLayer", metadata=None, wi
         height, width = next(iter(part.values())).shape
         spec = oiio.ImageSpec(width, height, len(part), "half" if half else "float")
         spec.channelnames = tuple(part)
+        spec["compression"] = compression
         if name:
             spec["oiio:subimagename"] = name
         spec.x, spec.y, spec.full_width, spec.full_height = window or (0, 0, *size)
