@@ -9,8 +9,8 @@ RUN := .venv/bin/python
 # Python keeps what it has compiled, whatever the shell says: tests begin hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo gallery docs languages hashes extension wheels blenders test test-all test-long mutate bench bench-peers bench-live \
-	lint clean build
+.PHONY: demo gallery docs languages hashes extension wheels blenders libraries test test-all test-long mutate bench \
+	bench-peers bench-live lint clean build
 
 .venv/ready: pyproject.toml
 	@test -n "$(BPY)" || command -v blender >/dev/null || \
@@ -61,16 +61,20 @@ extension: .venv/ready
 wheels: .venv/wheels
 	$(RUN) tools/wheels.py
 
-# One process more than there are cores: tests wait now and then. Of test-all's windows and packages a file at a time,
-# as long as a file has what its tests share.
-PYTEST = $(RUN) -m pytest -q -n $$(($$(getconf _NPROCESSORS_ONLN) + 1)) --dist loadfile --no-loadscope-reorder
+# One process more than there are cores: tests wait now and then. What their slow twins find is kept (build/kept), and
+# so found once, whichever process asks. Windows and packages of test-all are shared by the tests of a file.
+PYTEST = $(RUN) -m pytest -q -n $$(($$(getconf _NPROCESSORS_ONLN) + 1))
 
-test: build
-	$(PYTEST) -m "not slow and not long"
+test: libraries
+	$(PYTEST) --dist worksteal -m "not slow and not long"
+
+# The library as tests see into it.
+libraries: build
+	$(RUN) tests/helpers/built.py
 
 # What is too slow for `make test`, but for test-long's. Random jobs come last and by themselves: they use all cores.
-test-all: build
-	$(PYTEST) -m "slow and not long" --ignore tests/unit/test_fuzz.py
+test-all: libraries
+	$(PYTEST) --dist loadfile --no-loadscope-reorder -m "slow and not long" --ignore tests/unit/test_fuzz.py
 	ENCRE_FUZZ_SECONDS=$${ENCRE_FUZZ_SECONDS:-120} $(RUN) -m pytest -q -m "slow and not long" tests/unit/test_fuzz.py
 
 test-long: build .venv/wheels $(if $(filter bpy==4.5%,$(BPY)),blenders)

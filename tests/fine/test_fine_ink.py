@@ -4,6 +4,7 @@
 import itertools
 
 import hands
+import kept
 import numpy as np
 import passes
 import pytest
@@ -151,8 +152,8 @@ def held(images, every, layers, scene, styles, few):
     params = Params({k: v for k, v in scene.items() if k != "crease_angle" and not k.endswith("_image")}, styles)
     pictures = {(id_.removesuffix("_strip_image"), style): strips.pyramid(STRIP) for id_ in scene
                 if id_.endswith("_strip_image") for style in range(len(styles) + 1)}
-    t, ink, unsure = strokes.draw(Table(last.site, last.link), layers, params, paper.heights(layers, params)[0],
-                                  pictures)
+    t, ink, unsure = kept.of(strokes.draw, Table(last.site, last.link), layers, params,
+                             paper.heights(layers, params)[0], pictures)
     got, sure = images["Encre Lines"], ~unsure
     assert unsure.mean() < 0.4
     assert (np.abs(got[..., 3] - t)[sure] > 1e-3).mean() <= few

@@ -4,6 +4,7 @@
 import functools
 from collections import Counter
 
+import kept
 import numpy as np
 import passes
 import pytest
@@ -249,6 +250,11 @@ def ease(check):
 
 @functools.cache
 def compare(name):
+    """How much was compared, by what it is."""
+    return kept.of(_compare, name, by=passes.said(name))
+
+
+def _compare(name):
     check = Check(passes.case(name))
     last = crowd, eyes, give_way, lead, drop_rungs, drop, even, ease
     for each in last if name in passes.TANGLES else (claim, link, tie, smooth, slim, *last):

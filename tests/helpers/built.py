@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The library built a second time, without vectorisation and for one instruction set: quick to build anew where a file
-has changed, the same results, and linked as tests need it: so that they see between the passes of FINE, say."""
+has changed, the same results, and linked as tests need it: so that they see between the passes of FINE, say. As a
+script it builds what most need."""
 
 import contextlib
 import fcntl
@@ -112,5 +113,11 @@ def _probe_fine(out):
         _run(own)
     replaced = str(BUILD / "fine-base.o")
     assert link.count(replaced) == 1
-    _run([*(str(made) if part == replaced else part for part in link), "-Wl,--wrap=fine_add_links_base"])
+    link = [*(str(made) if part == replaced else part for part in link), "-Wl,--wrap=fine_add_links_base"]
+    if not out.exists() or out.stat().st_mtime_ns <= max(os.stat(p).st_mtime_ns for p in link if p.endswith(".o")):
+        _run(link)
     return out
+
+
+if __name__ == "__main__":  # before the tests, of which each would wait for it
+    probe_fine()

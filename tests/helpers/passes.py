@@ -262,3 +262,10 @@ def case(name):
     _, _, styles, camera = EVERY[name]
     layers, scene, view = given(name)
     return Case(*run(layers, scene, styles, camera), view)
+
+
+def said(name):
+    """All that what is compared of a case follows from, but for the twins: what it is, and what the library finds."""
+    found = case(name)
+    what = TANGLES[name] if name in TANGLES else (*given(name)[:2], *EVERY[name])
+    return what, found.images, [(s.name, s.site, s.link, s.through) for s in found.every]

@@ -13,8 +13,13 @@ To add: a stage's twin is written from the formulas of docs/stages.md without a 
 with no trick for speed; frame calls it, and tests/stages compares.
 """
 
+from kept import kept
+
 from .edges import SOURCES
-from .frame import CONTROLS, render
+from .frame import CONTROLS
+from .frame import render as _render
 from .params import DEFAULTS, ENGINE, is_surface
+
+render = kept(_render)
 
 __all__ = ["CONTROLS", "DEFAULTS", "ENGINE", "SOURCES", "is_surface", "render"]

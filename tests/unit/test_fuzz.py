@@ -39,9 +39,10 @@ def run(*command, **options):
 def fuzz(request, tmp_path_factory):
     """(command that runs jobs, share of the time). The arena is guarded, the invariants of FINE are checked."""
     kind, out = request.param, tmp_path_factory.mktemp("fuzz")
+    built = ROOT / "build" / "fuzz" / kind / SOON  # what has not changed is not compiled again
     flags = f"{os.environ.get('CFLAGS', '')} -g1 {SOON} {OFF}"
     run(sys.executable, "setup.py", "-q", "build_ext", "--werror", "--scalar", "--debug", f"--sanitize={kind}",
-        f"--build-lib={out}", cwd=ROOT, env={**os.environ, "CC": "clang", "CFLAGS": flags})
+        f"--build-lib={out}", f"--build-temp={built}", cwd=ROOT, env={**os.environ, "CC": "clang", "CFLAGS": flags})
     sanitize = [f"-fsanitize={kind}", "-fno-sanitize-recover=all", OFF]
     # The jobs are watched as well: one that is made of what lies beside its tables is none that a seed tells.
     run("clang", *PLAIN, *sanitize, "-c", *ROOT.glob("tests/fuzz/*.c"), cwd=out)
