@@ -200,7 +200,8 @@ ENCRE_API const char *encre_params_check(const void *params, char *text, int64_t
 
 typedef struct encre_context encre_context;
 
-/* Called between bands on the calling thread only, fraction 0..1, never decreasing; false cancels. */
+/* Called between bands on the calling thread only, fraction 0..1, never decreasing; false cancels. Its own context,
+ * which is at work, refuses all that it is asked for meanwhile, and encre_destroy() does nothing. */
 typedef bool (*encre_progress)(void *user, double fraction);
 
 typedef struct encre_camera {
@@ -447,8 +448,11 @@ typedef struct encre_light_job {
 
 /* NULL without memory. */
 ENCRE_API encre_scene *encre_scene_create(void);
-ENCRE_API void encre_scene_free(encre_scene *scene); /* NULL is allowed */
-/* Each returns a code; after an error the scene is as it was before, and the context has the sentence. */
+/* NULL is allowed; a scene that is being lit is freed at the end of that. */
+ENCRE_API void encre_scene_free(encre_scene *scene);
+/* Each returns a code; after an error the scene is as it was before, and the context has the sentence. While a scene is
+ * lit by any context, in the background from encre_start() to the end of the work, these, encre_scene_reach() and
+ * another's encre_light() are refused. */
 ENCRE_API int32_t encre_scene_geometry(encre_context *context, encre_scene *scene, int64_t key,
 				       const encre_geometry *geometry);
 ENCRE_API int32_t encre_scene_instance(encre_context *context, encre_scene *scene, int64_t key,

@@ -3,8 +3,10 @@
  * It has a context of its own, to which the caller's lends its threads, so that the two share nothing that is not
  * atomic. */
 #include "api/check.h"
+#include "api/check_light.h"
 #include "api/context.h"
 #include "base/refuse.h"
+#include "light/handle.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -67,6 +69,9 @@ int32_t enter(encre_context *context)
 {
 	if (!context)
 		return ENCRE_ERROR_ARGUMENT;
+	if (context->telling) /* whose caller may read this before it is forgotten */
+		return refuse(context->error, sizeof context->error,
+			      "context: its own progress calls it; return from that, or take another context");
 	if (context->background) /* whose sentence stands in its own context */
 		return refuse(context->error, sizeof context->error,
 			      "context: its work in the background goes on; wait for it, or take another context");
@@ -80,11 +85,27 @@ int32_t enter_job(encre_context *context, const void *job)
 	return code || job ? code : refuse(context->error, sizeof context->error, "job: is NULL; give one");
 }
 
+/* Of a step that lights one; else NULL. */
+static encre_scene *scene_of(const encre_step *step)
+{
+	return step->kind == ENCRE_LIGHT ? ((const encre_light_job *)step->job)->scene : NULL;
+}
+
+static void light_scenes(background *b, void (*change)(encre_scene *))
+{
+	for (int i = 0; i < b->n_steps; i++)
+		if (scene_of(b->steps + i))
+			change(scene_of(b->steps + i));
+}
+
 int32_t encre_start(encre_context *context, const encre_step *steps, int32_t n_steps)
 {
 	int32_t code = enter(context);
 	if (!code)
 		code = check_steps(steps, n_steps, context->error, sizeof context->error);
+	for (int i = 0; !code && i < n_steps; i++)
+		if (scene_of(steps + i))
+			code = check_free(scene_of(steps + i), context->error, sizeof context->error);
 	if (code)
 		return code;
 	size_t size = (size_t)n_steps * sizeof *steps;
@@ -95,7 +116,9 @@ int32_t encre_start(encre_context *context, const encre_step *steps, int32_t n_s
 	b->n_steps = n_steps;
 	b->own = *context;
 	b->own.stop = &b->cancel;
+	light_scenes(b, scene_light);
 	if (pthread_create(&b->thread, NULL, background_main, b)) {
+		light_scenes(b, scene_leave);
 		free(b);
 		snprintf(context->error, sizeof context->error,
 			 "memory: no thread can be started; close other programs");
@@ -128,6 +151,7 @@ int32_t encre_wait(encre_context *context)
 	pthread_join(b->thread, NULL);
 	b->own.ended = b->code;
 	b->own.stop = NULL;
+	light_scenes(b, scene_leave);
 	*context = b->own;
 	free(b);
 	return context->ended;

@@ -14,6 +14,14 @@ int32_t check_scene(const encre_scene *scene, char *error, size_t size)
 	return scene ? ENCRE_OK : refuse(error, size, "scene: is NULL; make one with encre_scene_create()");
 }
 
+int32_t check_free(const encre_scene *scene, char *error, size_t size)
+{
+	int32_t code = check_scene(scene, error, size);
+	return code || !scene_is_lit(scene)
+		       ? code
+		       : refuse(error, size, "scene: is being lit; wait for that, or take another scene");
+}
+
 int32_t check_geometry(int64_t key, const encre_geometry *g, char *error, size_t size)
 {
 	long long name = (long long)key;
@@ -94,7 +102,7 @@ int32_t check_lamp(int64_t key, const encre_lamp *lamp, char *error, size_t size
 int32_t check_reach(const encre_scene *scene, int32_t n, const float *places, const float *ways, int32_t shadow_set,
 		    const uint8_t *reached, char *error, size_t size)
 {
-	int32_t code = check_scene(scene, error, size);
+	int32_t code = check_free(scene, error, size);
 	if (code)
 		return code;
 	if (n < 0 || n > INT32_MAX / 16 || shadow_set < 0 || shadow_set > 63)

@@ -9,6 +9,8 @@
 #include <stddef.h>
 
 int32_t check_scene(const encre_scene *scene, char *error, size_t size);
+/* Likewise, and that it is not being lit. */
+int32_t check_free(const encre_scene *scene, char *error, size_t size);
 int32_t check_geometry(int64_t key, const encre_geometry *g, char *error, size_t size);
 int32_t check_texture(int64_t key, const encre_texture *t, char *error, size_t size);
 int32_t check_instance(int64_t key, const encre_instance *in, char *error, size_t size);

@@ -16,16 +16,19 @@ struct encre_context {
 	background *background;  /* NULL: nothing goes on */
 	const atomic_bool *stop; /* of work in the background: true ends it. NULL: it is the caller that works */
 	int32_t ended;           /* with which code the last that went on has ended */
-	arena_held memory;       /* of the last picture, for the next */
-	kept_edges edges;        /* likewise */
-	arena_held light;        /* likewise, of the last light */
-	raster_kept *raster;     /* likewise, of meshes */
-	void *sheet;             /* paper, likewise */
+	encre_progress progress; /* of the job that runs, and whether it is being called just now */
+	void *user;
+	bool telling;
+	arena_held memory;   /* of the last picture, for the next */
+	kept_edges edges;    /* likewise */
+	arena_held light;    /* likewise, of the last light */
+	raster_kept *raster; /* likewise, of meshes */
+	void *sheet;         /* paper, likewise */
 	char error[512];
 };
 
-/* What each function of a context begins with: refuses while work goes on in the background, and forgets the last
- * error. */
+/* What each function of a context begins with: refuses while work goes on in the background and from within the
+ * context's own progress, and forgets the last error. */
 int32_t enter(encre_context *context);
 /* Likewise, of one that takes a job. */
 int32_t enter_job(encre_context *context, const void *job);

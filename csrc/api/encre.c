@@ -31,7 +31,7 @@ encre_context *encre_create(int32_t api_version)
 
 void encre_destroy(encre_context *context)
 {
-	if (!context)
+	if (!context || context->telling)
 		return;
 	encre_cancel(context);
 	encre_wait(context);
@@ -91,14 +91,27 @@ int32_t encre_set_simd(encre_context *context, int32_t level)
 	return ENCRE_OK;
 }
 
+/* Calls back for a job of the context, which is in no state to be given another one meanwhile. */
+static bool told(void *data, double fraction)
+{
+	encre_context *context = data;
+	context->telling = true;
+	bool go_on = context->progress(context->user, fraction);
+	context->telling = false;
+	context->error[0] = 0; /* of what it has called and was refused */
+	return go_on;
+}
+
 bands *pool_of(encre_context *context, encre_progress progress, void *user)
 {
 	if (!context->pool) {
 		int n = context->threads ? context->threads : bands_processors();
 		context->pool = bands_create(n < 1 ? 1 : n > MAX_THREADS ? MAX_THREADS : n);
 	}
+	context->progress = progress;
+	context->user = user;
 	if (context->pool)
-		bands_progress(context->pool, progress, user, context->stop);
+		bands_progress(context->pool, progress ? told : NULL, context, context->stop);
 	return context->pool;
 }
 
@@ -159,7 +172,7 @@ int32_t encre_scene_geometry(encre_context *context, encre_scene *scene, int64_t
 	size_t size = sizeof context->error;
 	int32_t code = enter(context);
 	if (!code)
-		code = check_scene(scene, error, size);
+		code = check_free(scene, error, size);
 	if (!code && geometry)
 		code = check_geometry(key, geometry, error, size);
 	if (!code)
@@ -173,7 +186,7 @@ int32_t encre_scene_instance(encre_context *context, encre_scene *scene, int64_t
 	size_t size = sizeof context->error;
 	int32_t code = enter(context);
 	if (!code)
-		code = check_scene(scene, error, size);
+		code = check_free(scene, error, size);
 	if (!code && instance)
 		code = check_instance(key, instance, error, size);
 	if (!code)
@@ -187,7 +200,7 @@ int32_t encre_scene_texture(encre_context *context, encre_scene *scene, int64_t 
 	size_t size = sizeof context->error;
 	int32_t code = enter(context);
 	if (!code)
-		code = check_scene(scene, error, size);
+		code = check_free(scene, error, size);
 	if (!code && texture)
 		code = check_texture(key, texture, error, size);
 	if (!code)
@@ -201,7 +214,7 @@ int32_t encre_scene_lamp(encre_context *context, encre_scene *scene, int64_t key
 	size_t size = sizeof context->error;
 	int32_t code = enter(context);
 	if (!code)
-		code = check_scene(scene, error, size);
+		code = check_free(scene, error, size);
 	if (!code && lamp)
 		code = check_lamp(key, lamp, error, size);
 	if (!code)
@@ -226,6 +239,8 @@ int32_t encre_light(encre_context *context, encre_light_job *job)
 {
 	encre_light_job clean;
 	int32_t code = enter_job(context, job);
+	if (!code && !context->stop) /* in the background it is lit from the first step on */
+		code = check_free(job->scene, context->error, sizeof context->error);
 	if (!code)
 		code = check_light(job, &clean, context->error, sizeof context->error);
 	if (code)
@@ -233,8 +248,10 @@ int32_t encre_light(encre_context *context, encre_light_job *job)
 	bands *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
+	scene_light(clean.scene);
 	code = use_best(context) ? BEST(light_run)(pool, &clean, &context->light)
 				 : light_run_base(pool, &clean, &context->light);
+	scene_leave(clean.scene);
 	return fail_code(context, code);
 }
 
@@ -269,7 +286,9 @@ int32_t encre_call(encre_context *context, encre_call_job *job)
 		return code;
 	if (!job->function)
 		return refuse(context->error, sizeof context->error, "function: is NULL; give one");
-	if (job->progress && !job->progress(job->user, 0))
+	context->progress = job->progress;
+	context->user = job->user;
+	if (job->progress && !told(context, 0))
 		return fail_code(context, ENCRE_ERROR_CANCELLED);
 	job->function(job->argument);
 	return ENCRE_OK;

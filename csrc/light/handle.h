@@ -10,7 +10,12 @@
 #include <stddef.h>
 
 encre_scene *scene_create(void);
+/* At once, or by scene_leave() where it is lit. */
 void scene_free(encre_scene *scene);
+/* Between the two, which may be nested, it is lit: nothing may change. scene_is_lit() says so. */
+void scene_light(encre_scene *scene);
+void scene_leave(encre_scene *scene);
+bool scene_is_lit(const encre_scene *scene);
 int32_t scene_geometry(encre_scene *scene, int64_t key, const encre_geometry *geometry, char *error, size_t size);
 int32_t scene_instance(encre_scene *scene, int64_t key, const encre_instance *given, char *error, size_t size);
 int32_t scene_texture(encre_scene *scene, int64_t key, const encre_texture *given);

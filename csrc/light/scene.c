@@ -4,7 +4,6 @@
 #include "light/handle.h"
 #include "base/refuse.h"
 
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -222,10 +221,30 @@ encre_scene *scene_create(void)
 	return calloc(1, sizeof(encre_scene));
 }
 
+void scene_light(encre_scene *scene)
+{
+	atomic_fetch_add(&scene->lit, 1);
+}
+
+void scene_leave(encre_scene *scene)
+{
+	if (atomic_fetch_sub(&scene->lit, 1) == 1 && atomic_load(&scene->forgotten))
+		scene_free(scene);
+}
+
+bool scene_is_lit(const encre_scene *scene)
+{
+	return atomic_load(&scene->lit) > 0;
+}
+
 void scene_free(encre_scene *scene)
 {
 	if (!scene)
 		return;
+	if (scene_is_lit(scene)) {
+		atomic_store(&scene->forgotten, true);
+		return;
+	}
 	for (int32_t i = 0; i < scene->shapes.count; i++)
 		free_shape(scene->shapes.items[i]);
 	for (int32_t i = 0; i < scene->instances.count; i++)

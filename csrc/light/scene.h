@@ -7,6 +7,7 @@
 #include "light/tree.h"
 #include "light/vector.h"
 
+#include <stdatomic.h>
 #include <stddef.h>
 
 enum { LEAF = 4 };
@@ -59,6 +60,8 @@ void *store_take(store *s, int64_t key);
 
 struct encre_scene {
 	store shapes, instances, textures, lamps;
+	atomic_int lit;        /* by so many steps that run or are to run */
+	atomic_bool forgotten; /* freed by the last of them */
 };
 
 /* The scene as rays see it. Instances are counted as in the store. */

@@ -82,6 +82,72 @@ def test_a_work_that_goes_on_keeps_others_away():
     assert lib.encre_set_threads(behind._context, 2) == 0
 
 
+def test_a_scene_that_is_lit_keeps_changes_away():
+    """From the start of the work on, be its light the last step; another light is a change: trees are built."""
+    behind, (raster, light, _) = Background(), chain()
+    scene, frame = light.keep[0], Frame(WIDTH, HEIGHT)
+    points, corners = np.zeros((3, 3), np.float32), np.arange(3)
+
+    def changes():
+        yield lambda: scene.geometry(0, points, corners)
+        yield lambda: scene.instance(0, None)
+        yield lambda: scene.lamp(0, None)
+        yield lambda: scene.texture(0, np.ones((1, 1)))
+        yield lambda: scene.reached(np.zeros((1, 3)), np.ones((1, 3)))
+        again = scene.light_work(raster.result()["depth"], None, VIEW, LENS, frame, 0.1)
+        yield lambda: load().run(again)
+        yield lambda: Background().start([again])
+
+    behind.start([drawing((1280, 720)), raster, light])
+    for change in changes():
+        with pytest.raises(EncreError, match="^scene: is being lit; wait"):
+            change()
+    assert np.array_equal(behind.wait()[2], [load().run(work) for work in chain()[:2]][1])
+    for change in changes():
+        change()
+
+
+def test_a_scene_that_is_lit_may_be_dropped():
+    behind, works = Background(), chain()[:2]
+    want = [load().run(work) for work in works]
+    scene, lib = works[1].keep[0], load().lib
+    behind.start([drawing((640, 360)), *works])
+    lib.encre_scene_free(scene._handle)
+    scene._handle = None
+    assert np.array_equal(behind.wait()[2], want[1]) and want[1].std() > 0.01
+
+
+def test_its_own_progress_is_refused():
+    """A context at work has its threads, memory and caches in use: what it is asked for meanwhile crashed, or waited
+    for itself."""
+    lib, context, answers = load().lib, load().context(2), []
+    scene, points = Scene(), np.zeros((3, 3), np.float32)
+    scene.geometry(0, points, np.arange(3))
+
+    def told(_user, _fraction):
+        if not answers:
+            calls = [lambda: lib.encre_set_threads(context, 1), lambda: lib.encre_set_simd(context, 0),
+                     lambda: lib.encre_start(context, abi.steps([drawing()]), 1),
+                     lambda: lib.encre_scene_geometry(context, scene._handle, 0, None)]
+            calls += [lambda kind=kind: getattr(lib, f"encre_{kind}")(context, ctypes.byref(drawing().job))
+                      for kind in abi.WORKS]
+            for call in calls:
+                answers.append((call(), lib.encre_error(context)[:21]))
+            lib.encre_destroy(context)
+        return True
+
+    work = drawing()
+    work.job.progress = abi.Progress(told)
+    assert lib.encre_render(context, ctypes.byref(work.job)) == 0 and lib.encre_error(context) == b""
+    assert len(answers) > 7 and set(answers) == {(1, b"context: its own prog")}
+    assert np.array_equal(work.result().images["Combined"], load().run(drawing()).images["Combined"])
+    work.job.progress = abi.Progress(lambda *_: lib.encre_set_threads(context, 1) == 0)
+    assert lib.encre_render(context, ctypes.byref(work.job)) == 3 and lib.encre_error(context) == b"cancelled"
+    work.job.progress = abi.Progress()
+    assert lib.encre_render(context, ctypes.byref(work.job)) == lib.encre_set_threads(context, 1) == 0
+    lib.encre_destroy(context)
+
+
 def test_a_cancelled_work_ends():
     """Within a step, and no other begins. How soon in seconds, `make bench-live` tells."""
     behind, done = Background(), ctypes.c_double()
