@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`encre` and `python -m encre`."""
 
-import contextlib
 import os
-import signal
 import sys
+
+if __name__ == "__main__":  # `python -m` puts the current folder first, in which a stranger's files may lie
+    sys.path[:] = [path for path in sys.path if path.endswith("-packages") or os.path.abspath(path) != os.getcwd()]
+
+import contextlib
+import signal
 
 
 def _leave(*_):
@@ -21,8 +25,15 @@ def main():
               and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler)]
     for number in heeded:
         signal.signal(number, _leave)
-    from .cli.main import main as run
+    try:
+        from .cli.main import main as run
+    except (ImportError, AttributeError) as error:
+        from .cli.shadows import words
 
+        if not (found := words()):
+            raise
+        print(f"encre: error: {error}: {found[0]}", file=sys.stderr)
+        return 2
     try:
         for number in heeded:
             signal.signal(number, signal.default_int_handler)

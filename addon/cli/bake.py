@@ -5,7 +5,7 @@ import os
 
 from ..pen import colour, library, unwrap
 from ..pen.errors import EncreError
-from . import images, interrupt, render
+from . import images, interrupt, render, room
 
 MOST = 32768  # texels each way, as encre_bake() has it
 ENOUGH = 4    # the last mip level is so many line widths across: below, ink would fill it
@@ -20,6 +20,7 @@ def bake(path, out, values, uniform=None, mips=False, tile=None, threads=0, blen
     can't be written.
     """
     texture = images.fit_texture(out, images.read_texture(path, MOST))
+    room.afford(path, 2 * texture.pixels.nbytes)  # what is drawn, and what is written of it
     paths = level_paths(out, texture.pixels.shape, values) if mips else [out]
     for target in paths:
         if os.path.realpath(target) == os.path.realpath(path):

@@ -12,12 +12,12 @@ from ..pen.job import Frame
 from ..pen.params import Chosen
 from ..pen.settings import Settings
 from ..pen.stored import known, opaque, view_layers, wanted
-from . import denoiser, images, interrupt, multilayer, png, substitutes
-from .room import Room
+from . import denoiser, images, interrupt, multilayer, png, room, substitutes
 from .view import Shown
 
 _COMPOSITED = "Composite"  # how Blender calls the compositor's picture among the view layers
 _PICTURES = {"combined", "beauty", "rgba", "rgb", "color", "final"}  # how others call theirs
+_LEAST = 21  # floats of a pixel that are always kept: the layers that are required, and what is drawn
 _AT_ONCE = 1 << 22  # pixels of noisy light that are read at a time
 
 
@@ -89,13 +89,14 @@ def _idle(pictures, settings, path):
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _read(exr, names, settings, place, camera, threads, room):
+def _read(exr, names, settings, place, camera, threads, kept):
     """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
     rows are read and folded one after another: all passes at once would be twice as much."""
     rows, columns = place
     # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
-    whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, room.zeros), 0
+    whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, kept.zeros), 0
     read = {**wanted(names, exr.path, bool(camera and settings.wants_seen)), **substitutes.cryptomatte(names)}
+    _afford(exr, read, whole.shape)
     mattes = substitutes.Mattes()
     noisy = _denoises(names, settings) and denoiser.available()
     for first, around, passes in (_strips if noisy else _bands)(exr, read, rows):
@@ -116,8 +117,16 @@ def _read(exr, names, settings, place, camera, threads, room):
         nonfinite += bad
         passes.clear()  # not kept while the next are read
         band.clear()
-        room.give_back()
+        kept.give_back()
     return whole.layers, nonfinite
+
+
+def _afford(exr, read, shape):
+    """Finds out whether there is room for the least that is kept of a view. Raises EncreError."""
+    kept = sum(len(names) for name, names in read.items()
+               if name.startswith("Encre ") and name not in ("Encre Source", "Encre Diffuse"))
+    size = 4 * shape[0] * shape[1] * (_LEAST + kept)
+    room.afford(exr.path, size, size if shape[0] * shape[1] >= room.LARGE else 0)
 
 
 def _cure(names, like):
@@ -270,7 +279,7 @@ class _Work:
         self.settings = Settings(*_allowed(settings, change, exr.path, allow_paths, self.stored.images), space)
         self._say("note", settings.in_vain(named))
         self.place = _rows_and_columns(self.stored.border, exr.window)
-        self.room = Room(exr.window.width * exr.window.height)
+        self.room = room.Room(exr.window.width * exr.window.height)
 
     def _image(self, chosen):
         own = self.change.get(chosen.id) == chosen.name

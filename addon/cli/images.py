@@ -16,7 +16,7 @@ import numpy as np
 
 from ..pen import colour, library
 from ..pen.errors import EncreError
-from . import lease
+from . import lease, room
 from .workplace import Workplace
 
 _LINEAR = "openexr", "hdr"  # kinds of files that hold linear light
@@ -28,6 +28,9 @@ def openimageio():
         import OpenImageIO
     except ImportError:
         raise EncreError("the Python module OpenImageIO is missing; run: pip install openimageio") from None
+    if not hasattr(OpenImageIO, "ImageInput"):
+        where = getattr(OpenImageIO, "__file__", None) or "a folder"
+        raise EncreError(f"the Python module OpenImageIO is {where}, which is another's; take that off PYTHONPATH")
     return OpenImageIO
 
 
@@ -176,6 +179,9 @@ def _stored(path):
     oiio = openimageio()
     with quiet():
         file = oiio.ImageInput.open(utf8(path), _as_stored())
+        if file:
+            spec = file.spec()
+            room.afford(path, 4 * spec.width * spec.height * max(spec.depth, 1) * spec.nchannels)
         pixels = file.read_image("float") if file else None
     complaint(oiio)
     if pixels is None:

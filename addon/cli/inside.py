@@ -133,9 +133,13 @@ def load(job, error, report):
             if job["strict"]:
                 raise error(f"{words}; give a newer one with --blender")
             report("warning", text=f"{words}: it may look otherwise, or crash this Blender")
-        trust = {"use_scripts": True} if job["autoexec"] else {}
         try:
-            bpy.ops.wm.open_mainfile(filepath=path, **trust)
+            if job["autoexec"]:
+                bpy.ops.wm.open_mainfile(filepath=path, use_scripts=True)
+            else:
+                from . import trust
+
+                job["untrusted"] = trust.opened(path, job["place"])
         except RuntimeError as reason:
             raise error(f"{path}: is not a .blend file that this Blender can read ({sentence(reason)}); "
                         "save it again") from None

@@ -19,6 +19,7 @@ from . import restyle
 from .progress import put
 from .workplace import Workplace
 
+START = os.path.join(os.path.dirname(os.path.abspath(__file__)), "start.py")
 _LOOK = 0.1  # seconds between two looks at what other processes say
 
 
@@ -44,7 +45,7 @@ def run(argv, layers, whole, jobs, threads, keep_going, heard):
             open(told, "w").close()
             with open(said, "wb") as file:
                 children.append(subprocess.Popen(
-                    [sys.executable, "-m", __package__.partition(".")[0], *argv, "--jobs", "1", *more, "--share",
+                    [sys.executable, START, *argv, "--jobs", "1", *more, "--share",
                      f"{k}/{jobs}/{told}"], stderr=file))
             chorus.add(*(stack.enter_context(open(name, "rb")) for name in (said, told)))
         states = {}

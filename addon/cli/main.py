@@ -18,7 +18,7 @@ import numpy as np
 from ..pen import library, presets
 from ..pen.errors import EncreError, shown
 from ..pen.params import Chosen
-from . import images, substitutes, tools
+from . import images, shadows, substitutes, tools
 from .arguments import AGAIN, joined, parser
 from .bake import bake
 from .child import RenderError, TryAgain
@@ -220,6 +220,8 @@ def main(argv=None):
             argv = joined(sys.argv[1:] if argv is None else argv)
             args = parser().parse_args(argv)
             args.argv = argv
+            for words in () if getattr(args, "share", None) else shadows.words():
+                say("warning", words)
             COMMANDS[args.command](args)
         for words in heard:
             say("warning", words)

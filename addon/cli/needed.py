@@ -9,6 +9,7 @@ import os
 import bpy
 
 from ..blender import versions
+from ..pen import plain
 
 
 def lost(strict):
@@ -66,12 +67,12 @@ def _wrong(path, as_image):
     """What is wrong with a file, with its name; None: nothing is known to be."""
     if not os.path.exists(path):
         return f"{path} (not there)"
+    if os.path.isdir(path):  # some caches are
+        return None
     try:
-        with open(path, "rb") as file:
+        with plain.opened(path) as file:
             if not file.read(1):
                 return f"{path} (empty)"
-    except IsADirectoryError:  # some caches are
-        return None
     except OSError as error:
         return f"{path} ({error.strerror})"
     return f"{path} (broken)" if as_image and not _opens(path) else None
@@ -111,6 +112,11 @@ def _nodes(tree):
             yield from _nodes(getattr(node, "node_tree", None))
 
 
+def tree(scene):
+    """The compositor's nodes of a scene, also where they are not used; None: it has none."""
+    return getattr(scene, "node_tree", None) or versions.compositor(scene)
+
+
 def _compositor(scene):
     return list(_nodes(versions.compositor(scene))) if scene.render.use_compositing else []
 
@@ -127,13 +133,26 @@ def outputs(scene):
     """(where a File Output node writes, the folder that this needs, the node), which Blender does by itself."""
     for node in _compositor(scene):
         if node.type == "OUTPUT_FILE" and any(socket.is_linked for socket in node.inputs):
-            if hasattr(node, "base_path"):
-                path = _absolute(node.base_path)
-                folder = os.path.dirname(path) if node.format.file_format == "OPEN_EXR_MULTILAYER" else path
-            else:  # since 5.0
-                folder = _absolute(node.directory)
-                path = os.path.join(folder, node.file_name)
-            yield path, folder, node.name
+            path = _absolute(node.base_path) if hasattr(node, "base_path") else next(files(node))
+            yield path, path if _in_slots(node) else os.path.dirname(path), node
+
+
+def _in_slots(node):
+    """Whether the node writes a file for each of its inputs into a folder, as it does before 5.0."""
+    return hasattr(node, "base_path") and node.format.file_format != "OPEN_EXR_MULTILAYER"
+
+
+def files(node):
+    """Paths of the files that a File Output node writes, without the frame's number and the ending."""
+    if _in_slots(node):
+        for slot in node.file_slots:
+            yield os.path.join(_absolute(node.base_path), slot.path.lstrip("/\\"))
+    elif hasattr(node, "base_path"):
+        yield _absolute(node.base_path)
+    else:
+        path = os.path.join(_absolute(node.directory), node.file_name.lstrip("/\\"))
+        yield path
+        yield from (path + item.name for item in node.file_output_items)
 
 
 def no_folder(path):

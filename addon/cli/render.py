@@ -20,9 +20,9 @@ from .progress import Progress
 from .workplace import Workplace
 
 # What may be chosen of a scene, and how it is opened; None and False: as the file has it. named: the ids in values of
-# which it is said if they change nothing.
+# which it is said if they change nothing; place: the folder below which a stranger's file may write, None: nowhere.
 CHOICES = {"samples": None, "size": None, "scene_name": None, "camera": None, "view_layer": None, "threads": None,
-           "device": None, "strict": False, "autoexec": False, "passes": (), "named": ()}
+           "device": None, "strict": False, "autoexec": False, "passes": (), "named": (), "place": None}
 
 
 def find_blender(path=None):
@@ -58,7 +58,7 @@ def render(scene, out, *, frames=None, values=None, resume=False, quick=False, d
     command = find_blender(blender)
     out = os.path.abspath(out)
     job = {"scene": os.path.abspath(scene), "ending": os.path.splitext(out)[1], "values": values or {}, **CHOICES,
-           **choices}
+           "place": os.path.dirname(out), **choices}
     progress = progress or Progress(print)
     if dry_run:
         with Blender(command, {**job, "folder": ""}, progress) as child:
@@ -84,7 +84,8 @@ def compare(scene, out, take, *, frames=None, values=None, techniques=(), beside
     out, progress = os.path.abspath(out), Progress(say, verbose=verbose)
     with _workplace(out) as place:
         job = {"scene": os.path.abspath(scene), "ending": ".png", "values": values or {}, **CHOICES, **choices,
-               "folder": place.path, "techniques": techniques, "uniform": uniform, "mips": mips}
+               "place": os.path.dirname(out), "folder": place.path, "techniques": techniques, "uniform": uniform,
+               "mips": mips}
         with Blender(command, job, progress) as child:
             paths = todo(job["scene"], out, frames, child.expect("ready"))
             for stem, ending in map(os.path.splitext, paths.values()):

@@ -7,14 +7,56 @@ some rows need be in memory at a time.
 
 import mmap
 import os
+import shutil
 import tempfile
 import time
 import weakref
 
 import numpy as np
 
+from ..pen.errors import EncreError
+
 LARGE = 1 << 24  # pixels
 _PAUSE = 0.1     # seconds between two times that memory is given back
+
+
+def _number(path):
+    try:
+        with open(path) as file:
+            return int(file.read().split()[0])
+    except (OSError, ValueError, IndexError):  # not this system's, or "max"
+        return None
+
+
+def free_memory():
+    """Bytes that this process may still take, None where the system does not say."""
+    try:
+        with open("/proc/meminfo") as file:
+            said = {line.split(":")[0]: 1024 * int(line.split()[1]) for line in file}
+        free = said["MemAvailable"] + said["SwapFree"]
+    except (OSError, ValueError, KeyError, IndexError):
+        return None
+    for most, used in (("memory.max", "memory.current"),
+                       ("memory/memory.limit_in_bytes", "memory/memory.usage_in_bytes")):
+        most, used = (_number(f"/sys/fs/cgroup/{name}") for name in (most, used))
+        if most is not None and used is not None:  # of what is used much may be pages of files, which are given back
+            free = min(free, max(most - used, most // 2))
+    return free
+
+
+def afford(path, size, files=0):
+    """Finds out before any work whether there is room for what the header of the file `path` announces: `size` bytes,
+    of which `files` may lie among temporary ones. EncreError: there is not."""
+    free, folder = free_memory(), tempfile.gettempdir()
+    disk = min(files, shutil.disk_usage(folder).free) if hasattr(os, "posix_fallocate") else 0
+    if free is not None and size > free + disk:
+        beside = f" and {_shown(disk)} among temporary files in {folder}" if files else ""
+        raise EncreError(f"{path}: needs {_shown(size)} when it is unpacked, and there are {_shown(free)} of memory"
+                         f"{beside}; give a smaller file, or make room")
+
+
+def _shown(size):
+    return f"{size / 1e9:.1f} GB"
 
 
 class Room:

@@ -6,7 +6,7 @@ import json
 import os
 import re
 
-from ..pen import library
+from ..pen import library, plain
 from ..pen.errors import EncreError
 
 LAST_FRAME = 1048574  # Blender counts no further
@@ -75,7 +75,7 @@ def stamp(path):
 def content(file):
     """A word for what a file holds. OSError: it can't be read."""
     sum_ = hashlib.sha256()
-    with open(file, "rb") as opened:
+    with plain.opened(file) as opened:
         while chunk := opened.read(1 << 20):
             sum_.update(chunk)
     return sum_.hexdigest()

@@ -13,6 +13,7 @@ from ..pen.errors import EncreError, unknown
 from . import needed
 
 MOST_PLAIN = 1 << 24  # pixels of a frame of which a file without compression, 5 GB, finds room
+_TRUST = "if you trust whoever made the file, give --enable-autoexec"
 
 
 def mute(scene, path):
@@ -94,8 +95,9 @@ def _amiss(job, report, words):
 def heed(job, report):
     """Says what the file asks for and does not get."""
     if bpy.app.autoexec_fail and not job["autoexec"]:
-        report("warning", text=f"{job['scene']}: its scripts and drivers in Python were not run; if you trust whoever "
-               "made the file, give --enable-autoexec")
+        report("warning", text=f"{job['scene']}: its scripts and drivers in Python were not run; {_TRUST}")
+    if words := job.get("untrusted"):
+        _amiss(job, report, f"{', '.join(words)}; {_TRUST}")
     if files := needed.lost(job["strict"]):
         _amiss(job, report, f"uses files that can't be used: {', '.join(files)}; bring them back")
 
@@ -110,12 +112,12 @@ def heed_scene(job, scene, report):
                             "gets nothing from it; leave --view-layer out, or switch Compositing off in the scene's "
                             "Post Processing")
     if outputs := list(needed.outputs(scene)):
-        places = ", ".join(dict.fromkeys(f"{path} (node {node})" for path, _, node in outputs))
+        places = ", ".join(dict.fromkeys(f"{path} (node {node.name})" for path, _, node in outputs))
         report("note", text=f"{job['scene']}: Blender itself writes more files, which --resume does not look at: "
                f"{places}")
     for _, folder, node in outputs:
         if lost := needed.no_folder(folder):
-            _amiss(job, report, f"node {node} can't write its files: {lost} is no folder; move it away, or mute "
+            _amiss(job, report, f"node {node.name} can't write its files: {lost} is no folder; move it away, or mute "
                                 "the node")
     if scene.render.use_sequencer and needed.strips(scene):
         report("warning", text=f"{job['scene']}: the strips of scene {scene.name}'s sequencer take the place of the "
@@ -142,8 +144,9 @@ def prepare(job, report):
     if words := settings.in_vain(job["named"]):
         report("note", text=words)
     images.load(settings)
-    if camera.data.type == "PANO" and settings.active:
-        raise EncreError(f"{job['scene']}: camera {camera.name} is panoramic; make it perspective or orthographic")
+    if camera.data.type not in ("PERSP", "ORTHO") and settings.active:
+        kind = "panoramic" if camera.data.type == "PANO" else "one of Open Shading Language"
+        raise EncreError(f"{job['scene']}: camera {camera.name} is {kind}; make it perspective or orthographic")
     if job["samples"]:
         scene.cycles.samples = job["samples"]
     if job["size"]:

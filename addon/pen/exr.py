@@ -9,11 +9,11 @@ import struct
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from . import plain
 from .errors import EncreError
 
 _MAGIC, _TILED, _DEEP, _PARTS = 20000630, 0x200, 0x800, 0x1000
@@ -42,7 +42,7 @@ class Exr:
     def __init__(self, path: str) -> None:
         self.path = path
         try:
-            self._data = Path(path).read_bytes()
+            self._data = plain.content(path)
         except OSError as error:
             raise EncreError(f"{path}: can't be read: {error.strerror}") from None
         self._parts: list[_Part] = []

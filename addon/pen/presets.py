@@ -21,7 +21,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from . import library, settings, slots
+from . import library, plain, settings, slots
 from .errors import EncreError, unknown
 from .params import tidy
 
@@ -149,7 +149,7 @@ def _set_by_any():
 def _data(path):
     """What the file holds, which has all that a preset must have."""
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(plain.text(path))
     except UnicodeDecodeError:
         raise EncreError("it is no text in UTF-8") from None
     except RecursionError:

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How a texture lies on a mesh: the first fundamental form of its UV map, texel by texel. Knows no Blender."""
 
+import io
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from . import library
+from . import library, plain
 from .errors import EncreError
 from .job import Frame, Mesh
 
@@ -15,6 +16,7 @@ MARGIN = 8  # texels about an island that get its form: lines reach over its bor
 _EDGE = 1e-4  # of the texture: what lies nearer to its border than that lies on it
 _LONGEST = 1e18  # of a mesh: squares of its lengths are numbers of 32 bits
 _FARTHEST = 1e6  # repetitions of the texture from its origin that a UV map may lie
+_MOST_DRAWN = 1 << 35  # texels, for minutes
 _MOST_TILES = 64  # repetitions of the texture that one triangle draws, each way
 
 
@@ -39,8 +41,8 @@ def read_obj(path: str | os.PathLike) -> Unwrapped:
     """The triangles of a Wavefront OBJ file; faces are cut into fans. Raises EncreError."""
     points, coordinates, corners, uv = [], [], [], []
     try:
-        with open(path, encoding="utf-8", errors="replace") as file:
-            for line in file:
+        with plain.opened(path) as file:
+            for line in io.TextIOWrapper(file, encoding="utf-8", errors="replace"):
                 kind, *words = line.split() or [""]
                 if kind == "v":
                     x, y, z = words[:3]
@@ -146,11 +148,22 @@ def _draw(texels, corner, width, height, progress):
     first = np.floor(texels.min(1) / size + _EDGE).astype(int)
     last = np.maximum(np.ceil(texels.max(1) / size - _EDGE).astype(int) - 1, first)
     last = np.minimum(last, first + _MOST_TILES - 1)
-    pieces, values = [], []
+    pieces, values, drawn = [], [], 0.0
     for shift in _shifts(first, last):
-        inside = ((first <= shift) & (shift <= last)).all(1)
-        pieces.append(texels[inside] - shift * size)
+        inside = np.flatnonzero(((first <= shift) & (shift <= last)).all(1))
+        # The first that covers all hides what comes after it, which would be drawn in vain.
+        all_of_it = _covers(texels[inside] - shift * size, width, height)
+        covered = all_of_it.any()
+        inside = inside[:all_of_it.argmax() + 1] if covered else inside
+        piece = texels[inside] - shift * size
+        drawn += np.prod(np.ptp(np.clip(piece, 0, size), axis=1), axis=1).sum()
+        if drawn > _MOST_DRAWN:
+            raise EncreError(f"the UV map lays triangles more than {drawn / (width * height):.0f} times over the whole "
+                             "texture; unwrap the mesh again, or give a smaller texture")
+        pieces.append(piece)
         values.append(corner[inside])
+        if covered:
+            break
     points = np.concatenate(pieces).reshape(-1, 2)
     mesh = Mesh(np.concatenate([points, np.full((len(points), 1), -1.0)], 1),
                      attributes=np.concatenate(values), object_index=1)
@@ -158,6 +171,15 @@ def _draw(texels, corner, width, height, progress):
     images = library.raster([mesh], np.eye(4), flat, Frame(width, height), (width, height), 0.1, channels=3,
                          outputs=("object", "attributes"), progress=progress)
     return images["attributes"], images["object"] > 0
+
+
+def _covers(triangles, width, height):
+    """Which triangles (n, 3, 2) hold the centres of all texels."""
+    corners = np.array([(0, 0), (width, 0), (0, height), (width, height)])
+    side = np.roll(triangles, -1, 1) - triangles
+    to = corners[:, None, None] - triangles  # (4, n, 3, 2)
+    turn = side[..., 0] * to[..., 1] - side[..., 1] * to[..., 0]
+    return ((turn >= 0).all((0, 2)) | (turn <= 0).all((0, 2))) & (turn != 0).any((0, 2))
 
 
 def _shifts(first, last):
