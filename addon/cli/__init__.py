@@ -12,11 +12,12 @@ inside alone know Blender.
 progress shows what is said; sequence knows frames, their files and the marks by which finished ones are known;
 workplace keeps what is half made and who has claimed what, lease says until when. restyle has composite draw files
 again, jobs by several processes, and bake works on textures, all without any Blender; substitutes stand in for passes
-that a file lacks; images reads and writes files by OpenImageIO, multilayer those of passes, whose pixels planes finds
-where they lie, png what is to be seen, which view makes of light; room holds large ones and refuses what there is no
-room for, denoiser cleans light, installed finds what Blenders here bring along for that and for view; interrupt makes
-Ctrl-C stop the library; tools finds the benchmarks of a checkout; start is what jobs begins processes by, and shadows
-tells which modules PYTHONPATH puts in the place of others.
+that a file lacks, renderers knows what others call theirs, mattes reads Cryptomatte; images reads and writes files by
+OpenImageIO, multilayer those of passes, whose pixels planes finds where they lie, png what is to be seen, which view
+makes of light; room holds large ones and refuses what there is no room for, denoiser cleans light, installed finds what
+Blenders here bring along for that and for view; interrupt makes Ctrl-C stop the library; tools finds the benchmarks of
+a checkout; start is what jobs begins processes by, and shadows tells which modules PYTHONPATH puts in the place of
+others.
 
 To add: a command to arguments.parser() and main.COMMANDS, its work in a file of its own; a kind of file beside png.
 render gives inside a JSON file with what is to be done, and one frame after the other on the line: a new word between

@@ -8,7 +8,7 @@ import textwrap
 
 from ..pen import layers
 from ..pen.errors import EncreError
-from . import images, lease, sequence
+from . import images, lease, renderers, sequence
 from .progress import say
 
 MOST_JOBS = 256
@@ -217,7 +217,10 @@ def parser():
     command.add_argument("--check", action="store_true",
                          help="only say which passes there are, and what each that is missing switches off")
     command.add_argument("--layer", metavar="WORD=NAME", action="append", default=[], dest="asked", help=(
-        "another renderer's name for combined, depth, normal, color, light, object or material, as depth=Z"))
+        "another renderer's name for combined, depth, normal, color, light, object or material, as depth=Z, or a file "
+        "of its own, as depth=depth.####.exr or depth=all.exr:Z"))
+    command.add_argument("--from", choices=sorted(renderers.PROFILES), dest="renderer", help=(
+        "whose names the passes have (default: whose is clear)"))
     command.add_argument("--view-layer", metavar="N", help="name of the view layer (default: the file's first)")
     command.add_argument("--allow-paths", action="store_true", help=(
         "read images that the file names wherever they lie, not only beside the file"))

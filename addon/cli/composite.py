@@ -89,18 +89,21 @@ def _idle(pictures, settings, path):
     return f"{path} gives these sources of lines nothing to work on: {found}" if found else None
 
 
-def _read(exr, names, settings, place, camera, threads, kept):
-    """(layers of what was rendered, number of values read as 0) of one view, whose passes have these `names`. Bands of
-    rows are read and folded one after another: all passes at once would be twice as much."""
+def _read(exr, found, settings, place, camera, threads, kept, keep=True):
+    """(layers of what was rendered, number of values read as 0) of one view, whose passes have the Names `found`. Bands
+    of rows are read and folded one after another: all passes at once would be twice as much. Without `keep` it is only
+    found out whether that can be done."""
     rows, columns = place
     # Normals seen are the camera's, the others the world's: without a camera nothing can be told from them.
     whole, nonfinite = layers.Whole(rows.stop - rows.start, columns.stop - columns.start, kept.zeros), 0
-    read = {**wanted(names, exr.path, bool(camera and settings.wants_seen)), **substitutes.cryptomatte(names)}
+    names = found.passes
+    read = found.read(exr.path, bool(camera and settings.wants_seen))
     _afford(exr, read, whole.shape)
-    mattes = substitutes.Mattes()
-    noisy = _denoises(names, settings) and denoiser.available()
+    mattes = substitutes.Mattes(found.mattes)
+    noisy = keep and _denoises(names, settings) and denoiser.available()
     for first, around, passes in (_strips if noisy else _bands)(exr, read, rows):
-        passes = {name: opaque(picture[:, columns], name) for name, picture in passes.items()}
+        passes = {name: opaque(picture[:, columns], name) if name in known() else picture[:, columns]
+                  for name, picture in passes.items()}
         clean = denoiser.cleaner(threads, settings.light_scale, first - around[0] - rows.start) if noisy else None
         slim.unpack(passes, camera)
         mattes.number(passes)
@@ -112,8 +115,9 @@ def _read(exr, names, settings, place, camera, threads, kept):
             like = next((full[0].rpartition(".")[0] for name, full in names.items() if name.lower() in _PICTURES), "")
             cure = "" if _has_picture(names) else _cure(names, like)
             raise EncreError(f"{exr.path}: {error}; besides in the file: {others}{cure}") from None
-        whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
-                                       for name, picture in band.items()})
+        if keep:
+            whole.add(first - rows.start, {name: picture[around[0]:len(picture) - around[1]]
+                                           for name, picture in band.items()})
         nonfinite += bad
         passes.clear()  # not kept while the next are read
         band.clear()
@@ -204,20 +208,24 @@ def _composited(exr, found, layer):
     return False
 
 
-def check(path, view_layer=None, asked=None):
-    """(text that lists which passes an EXR holds and what each that is missing switches off, whether it is enough)."""
+def check(path, view_layer=None, asked=None, renderer=None, allow_paths=False, as_png=False):
+    """(text that lists which passes an EXR holds and what each that is missing switches off, why composite() can't draw
+    it or None): it is read as that reads it, to its end."""
     with multilayer.Exr(path) as exr:
-        metadata.read(exr.metadata)  # which raises for those that can't be used
-        found = view_layers(exr.channels, exr.views)
-        lines, good = [], True
+        found = view_layers(exr.own, exr.views)
+        lines = []
         for layer in [_choose(found, view_layer, path)] if view_layer is not None else found:
-            passes = substitutes.rename(next(iter(found[layer].values())), asked or {}, exr.channels, path)
-            if layer == _COMPOSITED and set(passes) == {"Combined"} and view_layer is None:
+            view, passes = next(iter(found[layer].items()))
+            if layer == _COMPOSITED and set(passes) == {"Combined"} and view_layer is None and len(found) > 1:
                 lines += [f"{path}: {layer}, what the compositor made, is not drawn again"]
                 continue
-            lines += [f"{path}: view layer {layer}" if layer else path, *substitutes.listed(passes)]
-            good = good and bool({"Combined", "Encre Source"} & set(passes))
-    return "\n".join(lines), good
+            names = substitutes.Names(exr, passes, layer, view, asked or {}, renderer)
+            lines += [f"{path}: view layer {layer}" if layer else path, *substitutes.listed(names)]
+        try:
+            _Work(exr, {}, allow_paths, asked or {}, 0, as_png, (), renderer).draw(view_layer, only_look=True)
+        except EncreError as error:
+            return "\n".join(lines), str(error)
+    return "\n".join(lines), None
 
 
 def images_of(path, change, allow_paths=False):
@@ -230,17 +238,17 @@ def images_of(path, change, allow_paths=False):
 
 
 def composite(path, out, change, view_layer=None, threads=0, say=print, allow_paths=False, asked=None, texts=None,
-              named=()):
+              named=(), renderer=None):
     """Restyles the EXR `path` into `out` (.exr or .png).
 
     change: the values to set on those in the file; say(kind, sentence) hears notes and warnings; allow_paths: open
-    images that the file names wherever they lie; asked: {classic pass name: name in the file} where that is
-    another; texts: {key: text} to store in `out`; named: ids of which it is said if they change nothing. Without a view
-    layer's name all are drawn, into a .png the first. Raises EncreError for the input, images.WriteError where `out`
-    can't be written.
+    images that the file names wherever they lie; asked: {classic pass name: name in the file} where that is another,
+    or a file of its own; renderer: whose names of passes it has, None: whose is clear; texts: {key: text} to store in
+    `out`; named: ids of which it is said if they change nothing. Without a view layer's name all are drawn, into a .png
+    the first. Raises EncreError for the input, images.WriteError where `out` can't be written.
     """
     with multilayer.Exr(path, threads) as exr:
-        work = _Work(exr, change, allow_paths, asked or {}, threads, out.lower().endswith(".png"), named)
+        work = _Work(exr, change, allow_paths, asked or {}, threads, out.lower().endswith(".png"), named, renderer)
         work.draw(view_layer)
     for kind, text in work.said:
         say(kind, text)
@@ -263,8 +271,12 @@ class _Work:
     """What is drawn of a file: `channels` {full name: array (H, W)}, `picture`, the last Combined, and `said`, the keys
     of which are what there is to say."""
 
-    def __init__(self, exr, change, allow_paths, asked, threads, as_png, named):
+    def __init__(self, exr, change, allow_paths, asked, threads, as_png, named, renderer):
         self.exr, self.change, self.asked, self.threads, self.as_png = exr, change, asked, threads, as_png
+        self.renderer = renderer
+        for name in asked.values():
+            if path := substitutes.in_file(name)[0]:
+                exr.beside(path)
         self.channels, self.said, self.nonfinite = {}, {}, 0
         self.stored = metadata.read(exr.metadata)
         scene = {**(self.stored.scene or {}), **change}
@@ -289,9 +301,9 @@ class _Work:
         if sentence:
             self.said[kind, sentence] = None
 
-    def draw(self, view_layer):
-        """Draws the view layer of this name, or all."""
-        exr, found = self.exr, view_layers(self.exr.channels, self.exr.views)
+    def draw(self, view_layer, only_look=False):
+        """Draws the view layer of this name, or all; only_look: finds out whether it can be."""
+        exr, found = self.exr, view_layers(self.exr.own, self.exr.views)
         first = _choose(found, view_layer, exr.path)
         # What --layer names lies in one of them, whose name is not told.
         others = [name for name, eyes in found.items() if any(map(_has_picture, eyes.values()))
@@ -301,13 +313,15 @@ class _Work:
                               "--view-layer, or write an .exr, which has room for all")
             others = []
         for layer in [name for name in found if name in (first, *others)]:
-            eyes = {view: substitutes.rename(names, self.asked, exr.channels, exr.path)
-                    for view, names in found[layer].items()}
-            eyes = {view: names for view, names in eyes.items() if _has_picture(names)} or eyes
+            eyes = {view: substitutes.Names(exr, passes, layer, view, self.asked, self.renderer)
+                    for view, passes in found[layer].items()}
+            eyes = {view: names for view, names in eyes.items() if _has_picture(names.passes)} or eyes
             if self.as_png and len(eyes) > 1:
                 raise EncreError(f"{exr.path}: is stereo, and a PNG has one view; write an .exr")
             for view, names in eyes.items():
-                self._draw(layer, view, names, f"{exr.path}, view layer {layer}," if others else exr.path)
+                self._draw(layer, view, names, f"{exr.path}, view layer {layer}," if others else exr.path, only_look)
+        if only_look:
+            return
         if _composited(exr, found, first):
             self._say("note", f"{exr.path}: what the compositor made ({_COMPOSITED}.Combined) is not drawn again, as "
                               "its nodes run in Blender alone: composite the new Combined by them")
@@ -318,10 +332,13 @@ class _Work:
         if self.stored.lost:
             self._say("note", f"{exr.path}: {' and '.join(self.stored.lost)} in Combined are not drawn again")
 
-    def _draw(self, layer, view, names, where):
-        stored, window = self.stored, self.exr.window
+    def _draw(self, layer, view, found, where, only_look):
+        stored, window, names = self.stored, self.exr.window, found.passes
         settings, missing = substitutes.switch_off(names, self.settings)
-        read, bad = _read(self.exr, names, settings, self.place, stored.camera, self.threads, self.room)
+        read, bad = _read(self.exr, found, settings, self.place, stored.camera, self.threads, self.room, not only_look)
+        if only_look:
+            return
+        self._say("note", found.words(where, self.asked))
         self._say("note", _notes(stored, names, where))
         if _denoises(names, settings) and not denoiser.available():
             cure = "; rendered with light_source=DRAWN it has none" if stored.scene is not None else ""
@@ -364,7 +381,8 @@ def _named(pictures, layer, view, names):
     channels, letters = {}, {**known(), **layers.DRAWN}
     for name, picture in pictures.items():
         prefix = ".".join(filter(None, [layer, name, view]))
-        if name == "Combined" and (own := [full for full in names.get(name, ()) if full[-1] in "rR"]):
+        if name == "Combined" and (own := [full for full in names.get(name, ())
+                                      if full[-1] in "rR" and ".exr:" not in full]):
             prefix = own[0].rpartition(".")[0]
         full = [f"{prefix}.{letter}".removeprefix(".") for letter in letters[name]]
         channels.update(zip(full, np.moveaxis(picture, 2, 0), strict=True))

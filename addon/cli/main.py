@@ -94,7 +94,8 @@ def _composite(args):
     asked = substitutes.given(args.asked)
     if args.check:
         faults = []
-        for text, fault in check(args.layers, _frames(args), args.view_layer, asked):
+        for text, fault in check(args.layers, _frames(args), asked, view_layer=args.view_layer, renderer=args.renderer,
+                                 allow_paths=args.allow_paths, as_png=(args.output or "").lower().endswith(".png")):
             if text:
                 print("\n".join(map(shown, text.splitlines())), flush=True)
             faults += [fault] if fault else []
@@ -119,8 +120,8 @@ def _composite(args):
     else:
         restyle(whole, args.output, changes, teller(share[2], whole) if share else tell, share=(share or (0, 1))[:2],
                 resume=args.resume, keep_going=args.keep_going, wait=not args.no_wait, seconds=args.lease,
-                view_layer=args.view_layer, threads=args.threads,
-                allow_paths=args.allow_paths, asked=asked, named=_named(args))
+                view_layer=args.view_layer, threads=args.threads, allow_paths=args.allow_paths, asked=asked,
+                named=_named(args), renderer=args.renderer)
     if not share:
         sum_up(whole, states)
 

@@ -26,57 +26,106 @@ class Window:
     full_height: int
 
 
+@dataclass(frozen=True)
+class _Part:
+    """One of a file's, and its data window from the corner of the display window."""
+
+    file: object
+    number: int
+    x: int
+    y: int
+    width: int
+    height: int
+
+
 class Exr:
     """An open EXR: `channels` maps each channel's full name to its (part, number), in the file's order, `kinds` to
-    "half" or "float"; `views` names the eyes of a stereo picture, else (); `metadata` holds the text attributes. Use as
-    a context manager.
+    "half", "float" or "uint"; `own` are those of the file itself; `views` names the eyes of a stereo picture, else ();
+    `metadata` holds the text attributes. `window` holds the data windows of all parts; a part is 0 beyond its own. Use
+    as a context manager.
 
-    Raises EncreError for a file that is missing, unreadable or empty, or whose parts differ in size.
+    Raises EncreError for a file that is missing, unreadable, empty or deep, or whose parts are not of one frame.
     """
 
     def __init__(self, path, threads=0):
         oiio = images.openimageio()
-        images.check_source(path)
         if threads:
             oiio.attribute("threads", threads)
             oiio.attribute("exr_threads", threads)
-        self.path, self.channels, self.kinds, self.views, self.metadata, self.window = path, {}, {}, (), {}, None
-        self._file = oiio.ImageInput.open(images.utf8(path))
-        if not self._file or self._file.format_name() != "openexr":
-            images.complaint(oiio)
-            raise EncreError(f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
-        part, most = 0, MOST_PACKED * os.path.getsize(path)
+        self.path, self.channels, self.kinds, self.views, self.metadata = path, {}, {}, (), {}
+        self._files, self._parts, self._size, self._beside, self.own = [], [], None, set(), []
         try:
-            while self._file.seek_subimage(part, 0):
-                spec = self._file.spec()
-                self._add(part, spec)
-                most -= spec.width * spec.height * spec.nchannels
-                part += 1
+            self._open(path)
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def window(self):
+        x, y = (min(getattr(part, axis) for part in self._parts) for axis in "xy")
+        return Window(max(part.x + part.width for part in self._parts) - x,
+                      max(part.y + part.height for part in self._parts) - y, x, y, *self._size)
+
+    def beside(self, path):
+        """Opens another file of the same frame, unless it is. Its channels are called `PATH:NAME`."""
+        if path not in self._beside:
+            self._open(path, f"{path}:")
+            self._beside.add(path)
+
+    def _open(self, path, prefix=""):
+        oiio = images.openimageio()
+        images.check_source(path)
+        with images.quiet():
+            file = oiio.ImageInput.open(images.utf8(path))
+        why = images.complaint(oiio).splitlines()
+        if not file or file.format_name() != "openexr":
+            reason = f" ({why[0].rstrip(' .')[:200]})" if why and "subsampled" in why[0].lower() else ""
+            raise EncreError(f"{path}: is not a readable OpenEXR file{reason}; give a multilayer EXR")
+        self._files.append(file)
+        number, most, deep, before = 0, MOST_PACKED * os.path.getsize(path), False, len(self._parts)
+        try:
+            while file.seek_subimage(number, 0):
+                spec = file.spec()
+                deep = deep or spec.deep
+                if not spec.deep:
+                    self._add(path, prefix, _Part(file, number, spec.x - spec.full_x, spec.y - spec.full_y, spec.width,
+                                                  spec.height), spec)
+                    most -= spec.width * spec.height * spec.nchannels
+                number += 1
         except UnicodeDecodeError:
             raise EncreError(f"{path}: holds names that are not UTF-8; render or copy it again") from None
+        if len(self._parts) == before:
+            raise EncreError(f"{path}: holds deep pixels, of which each has several depths; flatten it, or render it "
+                             "flat" if deep else f"{path}: is not a readable OpenEXR file; give a multilayer EXR")
         if most < 0:  # a damaged or made-up size would have us ask for all memory
             raise EncreError(f"{path}: says that it holds more pixels than such a file can; render or copy it again")
 
-    def _add(self, part, spec):
+    def _add(self, path, prefix, part, spec):
         # The display window starts where the file says; only the distance between the two windows matters.
-        window = Window(spec.width, spec.height, spec.x - spec.full_x, spec.y - spec.full_y,
-                        spec.full_width, spec.full_height)
         if min(spec.width, spec.height) < 1:
-            raise EncreError(f"{self.path}: has no pixels; render it again")
-        if self.window not in (None, window):
-            raise EncreError(f"{self.path}: its parts differ in size; save all passes in one size")
-        self.window = window
+            raise EncreError(f"{path}: has no pixels; render it again")
+        size = spec.full_width, spec.full_height
+        if self._size not in (None, size):
+            raise EncreError(f"{path}: its parts differ in size; save all passes in one size" if not prefix else
+                             f"{path}: is {size[0]} x {size[1]}, and {self.path} {self._size[0]} x {self._size[1]}; "
+                             "render both in one size")
+        self._size = size
         # One part holds all views, and says so; or each part holds one, and its channels do not name it.
         view = spec.get_string_attribute("view")
-        self.views = tuple(dict.fromkeys([*self.views, *(spec.getattribute("multiView") or ()), *filter(None, [view])]))
+        if not prefix:
+            self.views = tuple(dict.fromkeys([*self.views, *(spec.getattribute("multiView") or ()),
+                                              *filter(None, [view])]))
         for number, name in enumerate(spec.channelnames):
-            if view:
+            if view and not prefix:
                 name = ".".join([*name.split(".")[:-1], view, name.split(".")[-1]])
-            self.channels.setdefault(name, (part, number))
-            self.kinds.setdefault(name, "half" if str(spec.channelformat(number)) == "half" else "float")
+            kind = str(spec.channelformat(number))
+            self.own += [] if prefix or name in self.channels else [name]
+            self.channels.setdefault(prefix + name, (len(self._parts), number))
+            self.kinds.setdefault(prefix + name, kind if kind in ("half", "uint") else "float")
+        self._parts.append(part)
         for attribute in spec.extra_attribs:
             with contextlib.suppress(UnicodeDecodeError):  # another program's, in another encoding
-                if isinstance(attribute.value, str):
+                if isinstance(attribute.value, str) and (not prefix or attribute.name.startswith("cryptomatte/")):
                     self.metadata.setdefault(attribute.name, attribute.value)
 
     def read(self, passes, first=0, end=None):
@@ -108,27 +157,46 @@ class Exr:
             yield row, band
             del band  # not while the next is read
 
-    @images.quiet()
-    def _rows(self, part, row, end, first, last):
+    def _rows(self, number, row, end, first, last):
         """The channels `first` to `last` of the rows from `row` to `end` of a part, float32 (rows, W, channels)."""
-        self._file.seek_subimage(part, 0)
-        spec = self._file.spec()
+        part, window = self._parts[number], self.window
+        x, y = part.x - window.x, part.y - window.y
+        above, below = max(row, y), min(end, y + part.height)
+        if (above, below, part.width) == (row, end, window.width):
+            return self._read(part, row - y, end - y, first, last)
+        out = np.zeros((end - row, window.width, last - first), np.float32)
+        if above < below:
+            out[above - row:below - row, x:x + part.width] = self._read(part, above - y, below - y, first, last)
+        return out
+
+    @images.quiet()
+    def _read(self, part, row, end, first, last):
+        """Likewise, rows and columns of the part's own window."""
+        part.file.seek_subimage(part.number, 0)
+        spec = part.file.spec()
+        pixels = self._stored(part, spec, row, end, first, last, "float")
+        for channel in range(first, last):
+            if str(spec.channelformat(channel)) == "uint":  # not as shares of the largest
+                pixels[..., channel - first:channel - first + 1] = self._stored(part, spec, row, end, channel,
+                                                                                channel + 1, "uint")
+        return pixels
+
+    def _stored(self, part, spec, row, end, first, last, kind):
         above, below = row, end
         if spec.tile_width:  # whole tiles, or to the picture's end
             above, below = row - row % spec.tile_height, min(end + -end % spec.tile_height, spec.height)
-            pixels = self._file.read_tiles(part, 0, spec.x, spec.x + spec.width, spec.y + above, spec.y + below, 0, 1,
-                                           first, last, "float")
+            pixels = part.file.read_tiles(part.number, 0, spec.x, spec.x + spec.width, spec.y + above, spec.y + below,
+                                          0, 1, first, last, kind)
         else:
-            pixels = self._file.read_scanlines(part, 0, spec.y + above, spec.y + below, 0, first, last, "float")
+            pixels = part.file.read_scanlines(part.number, 0, spec.y + above, spec.y + below, 0, first, last, kind)
         if pixels is None:
-            images.complaint(self._file)
+            images.complaint(part.file)
             raise EncreError(f"{self.path}: can't be read to its end; render or copy it again")
         return pixels.reshape(below - above, spec.width, last - first)[row - above:][:end - row]
 
     def close(self):
-        if self._file:
-            self._file.close()
-            self._file = None
+        while self._files:
+            self._files.pop().close()
 
     def __enter__(self):
         return self

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ..pen import metadata
 from ..pen.errors import Cancelled, EncreError, shown
-from . import images, interrupt, lease, sequence, workplace
+from . import images, interrupt, lease, sequence, substitutes, workplace
 from .child import RenderError, TryAgain
 from .composite import check as passes_of
 from .composite import composite, images_of
@@ -95,6 +95,7 @@ def restyle(whole, out, change, tell, *, share=(0, 1), resume=False, keep_going=
 def _one(frame, change, place, again, say, options):
     """What became of a frame, and more words. again: it may be finished."""
     name, start = os.path.basename(frame.path), time.perf_counter()
+    options = {**options, "asked": substitutes.of_frame(options.get("asked") or {}, frame.source, frame.number)}
     if holder := place.claim(name):
         return LEFT, f"{frame.path} is being drawn by {holder}"
     try:
@@ -149,23 +150,20 @@ def _once(say, said, source):
     return hear
 
 
-def check(layers, frames, view_layer, asked):
+def check(layers, frames, asked, **options):
     """Yields (text that lists its passes, why it can't be drawn or None) of an EXR or of those of a sequence: each list
-    once, of the first that has it."""
+    once, of the first that has it. options: as composite.check() has them."""
     seen, whole = set(), todo(layers, layers, frames)
     for frame in whole:
         source = frame.source
         try:
-            text, good = passes_of(source, view_layer, asked)
+            text, fault = passes_of(source, asked=substitutes.of_frame(asked, source, frame.number), **options)
         except EncreError as error:
-            yield "", _reason(frame, error)
-            continue
-        fault = None if good else (f"{source}: has no picture: pass Combined is missing; render it, or say which it is "
-                                   "by --layer combined=NAME")
-        if good and not images.whole(source, last_row=True):
-            fault = f"{source}: is damaged: its last row can't be read; render or copy it again"
-        new = (alike := text.replace(source, "")) not in seen
-        seen.add(alike)
+            text, fault = "", str(error)
+        fault = fault and (fault if source in fault else f"{source}: {fault}")
+        new = text and (alike := text.replace(source, "")) not in seen
+        if new:
+            seen.add(alike)
         if new or fault:
             yield text if new else "", fault
     if len(whole) > 1:
@@ -198,8 +196,10 @@ def todo(layers, out, frames):
 def _mark(source, change, options):
     try:
         content = sequence.content(source)
-        chosen = [sequence.content(path) for path in images_of(source, change, options.get("allow_paths", False))]
+        chosen = [sequence.content(path) for path in (
+            *images_of(source, change, options.get("allow_paths", False)),
+            *filter(None, (substitutes.in_file(name)[0] for name in (options.get("asked") or {}).values())))]
     except OSError as error:
         raise EncreError(f"{error.filename or source}: can't be read ({error.strerror}); check the path") from None
-    picture = {name: options.get(name) for name in ("view_layer", "asked")}
+    picture = {name: options.get(name) for name in ("view_layer", "asked", "renderer")}
     return sequence.mark(source=content, values=change, encre=images.version(), images=chosen, **picture)

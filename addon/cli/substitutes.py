@@ -4,12 +4,17 @@
 Only Combined can't be replaced. To know another pass by a word of --layer, add it to GIVEN.
 """
 
+import os
+import re
+
 import numpy as np
 
 from ..pen import saved, slim
 from ..pen.colour import LUMINANCE
 from ..pen.errors import EncreError, unknown
 from ..pen.settings import Settings
+from ..pen.stored import wanted
+from . import mattes, renderers, sequence
 
 # What --layer may name: word -> classic pass name.
 GIVEN = {"combined": "Combined", "depth": "Depth", "normal": "Normal", "color": "DiffCol", "light": "DiffDir",
@@ -31,12 +36,13 @@ BOXES = {
     "IndexMA": ("Data > Indexes > Material Index, or Cryptomatte > Material", "lines between materials"),
 }
 _DARK, _MOST = 0.02, 4  # a colour so dark tells nothing of the light; more light than that is as good as that
-_SINGLE = ("Depth", "IndexOB", "IndexMA")  # some renderers save them as grey in R, G and B
-_CRYPTO = {"IndexOB": "CryptoObject00", "IndexMA": "CryptoMaterial00"}
+_BLACK = 1e-4  # in colours as dark as this light can't be told
+_INDICES = "IndexOB", "IndexMA"
 
 
 def given(texts):
-    """{classic pass name: name in the file} of the words WORD=NAME of --layer. EncreError."""
+    """{classic pass name: name in the file, or FILE.exr, FILE.exr:NAME} of the words WORD=NAME of --layer. EncreError.
+    """
     found = {}
     for text in texts:
         word, equals, name = text.partition("=")
@@ -48,46 +54,106 @@ def given(texts):
     return found
 
 
-def rename(passes, asked, channels, path):
-    """`passes` {classic name: channels} with those that `asked` names from anywhere among the file's `channels`."""
-    found = dict(passes)
+def of_frame(asked, source, number):
+    """`asked` with the files of a frame in the place of patterns with #. EncreError: the frame has no number."""
+    found = {}
     for classic, name in asked.items():
-        named = [full for full in channels if full == name or full.rpartition(".")[0] == name]
-        if not named:
-            raise EncreError(f"{path}: " + unknown("layer", name, dict.fromkeys(
-                full.rpartition(".")[0] or full for full in channels)))
-        named.sort(key=lambda full: "RGBAXYZ".find(full[-1].upper()))
-        found[classic] = named[:1] if classic in _SINGLE else named
+        path, channel = in_file(name)
+        if path and "#" in os.path.basename(path) and number is None:
+            raise EncreError(f"{path}: has # for a frame's number, but {source} is one file; take it out")
+        found[classic] = sequence.path(path, number) + (f":{channel}" if channel else "") if path else name
     return found
 
 
-def cryptomatte(passes):
-    """{pass: channels} of Cryptomatte's that tell what no index does: the first of ids, which cover most of a pixel."""
-    if "Encre Index" in passes:
-        return {}
-    return {matte: [next(full for full in passes[matte] if full[-1] in "rR")] for index, matte in _CRYPTO.items()
-            if index not in passes and any(full[-1] in "rR" for full in passes.get(matte, ()))}
+def in_file(name):
+    """(path, name in it or "") of what --layer names in a file of its own; ("", name) of a layer."""
+    match = re.fullmatch(r"(.+\.exr)(?::(.+))?", name, re.IGNORECASE | re.DOTALL)
+    return (match[1], match[2] or "") if match else ("", name)
+
+
+class Names:
+    """What stands for which pass of a view: `passes` {classic name: channels}, `mattes` {IndexOB, IndexMA: Matte},
+    `called` {classic name: what it is called in the file}, of those that are not called so, and `renderer`.
+
+    passes: of stored.view_layers(), of the view layer `layer` and the `view`; asked: as of_frame() gives it; renderer:
+    whose names are taken, None: whose is clear. EncreError: what is asked for is not there.
+    """
+
+    def __init__(self, exr, passes, layer, view, asked, renderer):
+        self.passes, self.called, self.renderer = dict(passes), {}, renderer
+        for classic, name in asked.items():
+            self._ask(exr, classic, name)
+        own = "Encre Source" in passes
+        if not own:
+            self.renderer = renderer or renderers.recognized(exr.own, exr.metadata)
+            for name, fulls in renderers.named(self.renderer, exr.own, self.passes).items():
+                self.passes[name] = fulls
+                self.called[name.removeprefix("Tinted ")] = fulls[0].rpartition(".")[0]
+        self.mattes = {} if "Encre Index" in passes else self._mattes(exr, layer, view, asked)
+
+    def _ask(self, exr, classic, name):
+        path, channel = in_file(name)
+        if path:
+            exr.beside(path)
+            names = {full[len(path) + 1:]: full for full in exr.channels if full.startswith(f"{path}:")}
+            layers = dict.fromkeys(short.rpartition(".")[0] for short in names)
+            channel = channel or next(one for one in ("", *layers) if one in layers)
+        else:
+            names = {full: full for full in exr.own}
+        found = [full for short, full in names.items() if short == channel or short.rpartition(".")[0] == channel]
+        if not found and not (classic in _INDICES and any(full.startswith(f"{channel}00.") for full in exr.own)):
+            raise EncreError(f"{path or exr.path}: " + unknown("layer", channel, dict.fromkeys(
+                short.rpartition(".")[0] or short for short in names)))
+        found.sort(key=renderers.letter)
+        self.passes.pop(classic, None)
+        if found:
+            self.passes[classic] = renderers.one_of(found) if classic in renderers.SINGLE else found
+            self.called[classic] = name
+
+    def _mattes(self, exr, layer, view, asked):
+        own = [full for full in exr.own if not layer or full.startswith(f"{layer}.")]
+        there = mattes.found(own, exr.metadata, view) or mattes.found(exr.own, exr.metadata, view)
+        for index in _INDICES:
+            if index in asked and index not in self.passes:
+                chosen = [full for full in exr.own if re.match(re.escape(asked[index]) + r"\d\d\.", full)]
+                there[index] = next(iter(mattes.found(chosen, {**exr.metadata, "cryptomatte/asked/name": asked[index]},
+                                                      view).values()))
+        found = {index: matte for index, matte in there.items() if index not in self.passes}
+        for index, matte in found.items():
+            names = f" ({len(matte.names)} names)" if matte.names else ""
+            self.called[index] = f"Cryptomatte {matte.name}{names}"
+        return found
+
+    def words(self, where, asked):
+        """What was taken for what by itself, in one sentence; None: nothing."""
+        by_itself = {name: called for name, called in self.called.items() if name not in asked}
+        if not by_itself:
+            return None
+        whose = f" as {self.renderer} calls them" if self.renderer else ""
+        return f"{where} has passes{whose} ({', '.join(f'{name}: {called}' for name, called in by_itself.items())}); " \
+            "name others by --layer, another renderer by --from"
+
+    def read(self, path, seen):
+        """{pass: channels} of what has to be read."""
+        more = {name: fulls for name, fulls in self.passes.items() if name.startswith("Tinted ")}
+        return {**wanted(self.passes, path, seen), **more,
+                **{f"Matte {index}": list(matte.channels) for index, matte in self.mattes.items()}}
 
 
 class Mattes:
-    """Numbers for Cryptomatte's ids, the same in all bands of a picture; 0 for none."""
+    """Numbers for what Cryptomatte tells, the same in all bands of a picture."""
 
-    def __init__(self):
-        self.numbers = {matte: {0: 0} for matte in _CRYPTO.values()}
+    def __init__(self, found):
+        self.numbers = {index: mattes.Numbers(matte) for index, matte in found.items()}
 
     def number(self, pictures):
-        for index, matte in _CRYPTO.items():
-            if matte in pictures:
-                hashes, known = pictures.pop(matte), self.numbers[matte]
-                bits = np.ascontiguousarray(hashes, np.float32).view(np.uint32)
-                words, inverse = np.unique(bits, return_inverse=True)
-                each = np.array([known.setdefault(word, len(known)) for word in words.tolist()], np.float32)
-                pictures[index] = each[inverse].reshape(hashes.shape)
+        for index, numbers in self.numbers.items():
+            pictures[index] = numbers.of(pictures.pop(f"Matte {index}"))
 
 
 def lit(names):
     """Whether passes of these names tell light and colour apart."""
-    return "DiffCol" in names and ("Encre Diffuse" in names or "DiffDir" in names)
+    return "DiffCol" in names and not {"Encre Diffuse", "DiffDir", "Tinted DiffDir"}.isdisjoint(names)
 
 
 def switch_off(names, settings):
@@ -124,6 +190,14 @@ def fill(pictures, settings):
     shown = "Encre Source" if "Encre Source" in pictures else "Combined"
     if shown not in pictures:
         return
+    for name, tinted in renderers.TINTED.items():
+        if tinted in pictures:
+            light = pictures.pop(tinted)
+            if "DiffCol" in pictures:
+                color = pictures["DiffCol"]
+                pictures[name] = np.where(color > _BLACK, light / np.maximum(color, _BLACK), 0).astype(np.float32)
+    if shown == "Combined" and "Depth" in pictures and not (pictures["Depth"] > 0).any():
+        pictures["Depth"] = -pictures["Depth"]  # along the axis on which the camera looks towards less
     source = pictures[shown]
     one, light = np.ones_like(source[..., :1]), None
     if not lit(pictures):
@@ -154,17 +228,17 @@ def _grey(picture):
     return (np.maximum(np.nan_to_num(picture[..., :3]), 0) @ np.float32(LUMINANCE))[..., None]
 
 
-def listed(passes):
-    """Lines of text: which passes are there, and what each that is missing switches off."""
-    lines = []
+def listed(names):
+    """Lines of text: which passes of Names are there, and what each that is missing switches off."""
+    lines, passes = [], names.passes
     own = {"Encre Source": ("Combined",), "Encre Diffuse": ("DiffDir", "DiffInd"),
            "Encre Index": ("IndexOB", "IndexMA")}
     stands = {name: by for by, names in own.items() if by in passes for name in names}
     stands.update({name: by for by, name in slim.STANDS.items() if by in passes})
-    stands.update({index: matte for index, matte in _CRYPTO.items() if matte in passes})
+    stands.update(names.called)
     for name, (box, without) in BOXES.items():
         if name in passes or name in stands:
-            lines.append(f"  {name}: there" + ("" if name in passes else f", as {stands[name]}"))
+            lines.append(f"  {name}: there" + (f", as {stands[name]}" if name in stands else ""))
         else:
             lines.append(f"  {name}: missing; check {box}; off without it: {without}")
     for name, switch, without in (
