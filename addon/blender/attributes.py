@@ -22,14 +22,34 @@ def read(mesh, wanted, points, loops, corners, face):
             found[kind, name] = points[corners]
         elif kind == "generated":
             found[kind, name] = _generated(mesh)[corners]
+        elif kind == "facing":
+            found[kind, name] = _facing(points[corners])
         elif kind == "tangent":
             if (values := _tangents(mesh, name, points, loops, corners, face)) is not None:
                 found[kind, name] = values
-        else:
-            values = (_uv if kind == "uv" else _attribute)(mesh, name, loops, corners, face)
-            if values is not None:
+        elif kind == "uv":
+            if (values := _uv(mesh, name, loops, corners, face)) is not None:
                 found[kind, name] = values
+        elif kind != "light":  # which comes later
+            values = _attribute(mesh, name, loops, corners, face)
+            if values is not None:
+                found[kind, name] = np.broadcast_to(_KINDS[kind](values), (len(loops), 3, 3))
+            elif kind == "opaque":
+                found[kind, name] = np.ones((len(loops), 3, 3), np.float32)
     return found
+
+
+# What programs read of an attribute (..., 4): a colour or vector, how opaque it is (where there is none: 0 or 1), and
+# what it is as a number.
+_KINDS = {"color": lambda values: values[..., :3], "alpha": lambda values: values[..., 3:],
+          "opaque": lambda values: values[..., 3:], "fac": lambda values: values[..., :3].mean(-1, keepdims=True)}
+
+
+def _facing(places):
+    """(t, 3, 3): the normal of each triangle, of unit length, in its own space."""
+    across = np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    return (across / np.where(length > 0, length, 1)).astype(np.float32)[:, None].repeat(3, 1)
 
 
 def _uv(mesh, name, loops, _corners, _face):
@@ -60,10 +80,25 @@ def _tangents(mesh, name, points, loops, corners, face):
 
 
 def _attribute(mesh, name, loops, corners, face):
+    """(t, 3 or 1, 4) of an attribute, None: there is none that programs can read."""
     layer = mesh.attributes.get(name) if name else mesh.color_attributes.active_color
     values = None if layer is None or not len(layer.data) else _values(layer)
-    where = layer and {"POINT": corners, "CORNER": loops, "FACE": face[:, None]}.get(layer.domain)
-    return None if values is None or where is None else np.broadcast_to(values[where], (len(loops), 3, 3))
+    if values is None:
+        return None
+    if layer.domain == "EDGE":
+        values, domain = _of_edges(mesh, values), "POINT"
+    else:
+        domain = layer.domain
+    where = {"POINT": corners, "CORNER": loops, "FACE": face[:, None]}.get(domain)
+    return None if where is None else values[where]
+
+
+def _of_edges(mesh, values):
+    """What points have of their edges: the mean."""
+    ends = get(mesh.edges, "vertices", np.int32, 2).reshape(-1)
+    count = np.bincount(ends, minlength=len(mesh.vertices))
+    sums = np.stack([np.bincount(ends, np.repeat(values[:, c], 2), len(mesh.vertices)) for c in range(4)], 1)
+    return (sums / np.maximum(count, 1)[:, None]).astype(np.float32)
 
 
 def _three(values):
@@ -74,16 +109,22 @@ def _three(values):
 
 
 def _values(attribute):
-    """(n, 3) of an attribute, None if programs can't read it. Byte colours come linear."""
-    if attribute.data_type in ("FLOAT_COLOR", "BYTE_COLOR"):
-        return get(attribute.data, "color", np.float32, 4)[:, :3]
-    numbers = {"FLOAT": np.float32, "INT": np.int32, "BOOLEAN": bool}
-    if attribute.data_type in numbers:
-        return np.repeat(get(attribute.data, "value", numbers[attribute.data_type])[:, None].astype(np.float32), 3, 1)
-    widths = {"FLOAT_VECTOR": 3, "FLOAT2": 2}
-    if attribute.data_type not in widths:
+    """(n, 4) of an attribute, None if programs can't read it. Byte colours come linear; numbers are grey, and what has
+    no alpha is opaque."""
+    kind = attribute.data_type
+    if kind in ("FLOAT_COLOR", "BYTE_COLOR"):
+        return get(attribute.data, "color", np.float32, 4)
+    out = np.ones((len(attribute.data), 4), np.float32)
+    numbers = {"FLOAT": np.float32, "INT": np.int32, "INT8": np.int32, "BOOLEAN": bool}
+    if kind in numbers:
+        out[:, :3] = get(attribute.data, "value", numbers[kind])[:, None]
+    elif kind == "QUATERNION":
+        return get(attribute.data, "value", np.float32, 4)
+    elif kind in ("FLOAT_VECTOR", "FLOAT2"):
+        out[:, :3] = _three(get(attribute.data, "vector", np.float32, 3 if kind == "FLOAT_VECTOR" else 2))
+    else:
         return None
-    return _three(get(attribute.data, "vector", np.float32, widths[attribute.data_type]))
+    return out
 
 
 def _generated(mesh):

@@ -63,11 +63,9 @@ def of(material):
     out = tree and tree.get_output_node("CYCLES")
     if not out:
         return 1.0
-    if not out.inputs["Surface"].is_linked:
-        return 0.0 if out.inputs["Volume"].is_linked else 1.0
     try:
-        return _shader(out.inputs["Surface"])
-    except trees.Unknown:
+        return 0.0 if trees.fills_only(out) else _shader(out.inputs["Surface"])
+    except Exception:  # of whatever kind: one material is no reason to lose the picture
         return 1.0
 
 
@@ -77,10 +75,15 @@ def _shader(socket):
     if source is None:
         return 1.0
     node = source[0]
-    if node.mute:
-        raise trees.Unknown(node.name)
+    if trees.is_nothing(node):
+        return 1.0
     if node.bl_idname == "ShaderNodeBsdfTransparent":
         return 0.0
+    if node.bl_idname == "ShaderNodeAddShader":  # light that goes through one goes through both
+        one, other = (_shader(node.inputs[k]) for k in (0, 1))
+        if isinstance(one, Cutout) and isinstance(other, Cutout):
+            raise trees.Unknown(node.name)
+        return one + other + -1.0
     if node.bl_idname == "ShaderNodeBsdfPrincipled":
         return _value(node.inputs["Alpha"])
     if node.bl_idname == "ShaderNodeMixShader":
@@ -99,12 +102,14 @@ def _value(socket):
     """A number or a Cutout."""
     source = trees.source_of(socket)
     if source is None:
-        return float(socket.default_value)
+        return trees.own_number(socket)
     node, output = source
-    if node.mute:
-        raise trees.Unknown(node.name)
+    if trees.is_nothing(node):
+        return 0.0
     if node.bl_idname == "ShaderNodeTexImage":
         return _image(node, output.name)
+    if node.bl_idname == "ShaderNodeNewGeometry" and output.name == "Backfacing":
+        return 0.0  # lamps meet what is in front
     if node.bl_idname == "ShaderNodeMath":
         return _math(node)
     if node.bl_idname == "ShaderNodeRGBToBW":
@@ -121,8 +126,10 @@ def _math(node):
         return _value(first)
     a, b = _value(first), _value(second)
     cut = isinstance(a, Cutout) + isinstance(b, Cutout)
-    if cut == 2 or (not cut and node.operation not in ("GREATER_THAN", "LESS_THAN")):
-        return worlds.value(node.outputs[0].links[0].to_socket, _RAY)
+    if cut == 2:
+        raise trees.Unknown(node.name)
+    if not cut and node.operation not in ("GREATER_THAN", "LESS_THAN"):
+        return worlds.summed(node, a, b)
     if node.operation == "ADD":
         return a + b
     if node.operation == "SUBTRACT":
@@ -156,7 +163,7 @@ def _place(socket):
         return node.uv_map, np.eye(2, 3)
     if node.bl_idname == "ShaderNodeTexCoord" and output.name == "UV":
         return "", np.eye(2, 3)
-    if node.bl_idname != "ShaderNodeMapping" or node.mute:
+    if node.bl_idname != "ShaderNodeMapping" or trees.is_nothing(node):
         raise trees.Unknown(node.name)
     uv_map, before = _place(node.inputs["Vector"])
     own = trees.mapping(node) @ np.array([[1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1.0]])

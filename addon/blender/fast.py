@@ -70,7 +70,8 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     return Scene(objects, light, made, sky * light.exposure, scene.render.film_transparent,
                  subject.read(depsgraph, camera, light), clip, notes, first > 0,
                  first + looks.channels(objects.materials), looks.through(objects.materials),
-                 looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials))
+                 looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials),
+                 looks.lit(objects.materials, first))
 
 
 def _join_attributes(objects):
@@ -117,7 +118,7 @@ class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
     def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, channels, through, shines,
-                 turned, holes):
+                 turned, holes, lit):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
@@ -126,6 +127,7 @@ class Scene:
         self.through = through  # by number of material: whether light goes through it
         self.shines = shines and light.lamps > 0  # whether lamps make highlights on anything
         self.turned = turned  # whether a normal map turns anything
+        self.lit = lit  # number of a material that reads the light on it -> the first of three attributes
         self._looks = [name for name in abi.MATERIAL_OUTPUTS
                        if {"shine": self.shines, "turned": turned, "holdout": holes}.get(name, True)]
 
@@ -176,6 +178,8 @@ class Scene:
             creases[..., 4] = overlay.bends(maps["normal"])
             creases[through, 4] = -1  # no mesh tells of them
             yield []
+        light = self._from_camera(_facing(layers["normal"], looks), view) if diffuse is None else diffuse
+        yield from self._by_light(maps, looks, light, view, projection, frame)
         layers |= {name: looks[name] for name in ("color", "gloss", "emission")}
         if self.light.exposure != 1:
             layers["emission"] = layers["emission"] * np.float32(self.light.exposure)
@@ -190,7 +194,7 @@ class Scene:
         np.minimum(albedo, np.float32(1), out=albedo)
         yield []
         normal = _facing(layers["normal"], looks)
-        layers["diffuse"] = self._from_camera(normal, view) if diffuse is None else diffuse
+        layers["diffuse"] = light
         layers["combined"] = combined = np.empty((*there.shape, 4), np.float32)
         np.multiply(layers["color"], layers["diffuse"], out=combined[..., :3])
         if glows:
@@ -239,8 +243,9 @@ class Scene:
         _, looks, *diffuse = yield [*first, *([] if later else light(maps["depth"], first[1].result()))]
         open_ = objects.clear[maps["material"].astype(np.int32)] & (looks["surface"][..., 0] < _SHOWS)
         changed = open_.copy()
+        glow = looks["emission"] * open_[..., None]  # it adds to what is behind
         if open_.any():
-            yield from self._behind(maps, looks, open_, works)
+            yield from self._behind(maps, looks, open_, works, glow)
             pixels = np.flatnonzero(changed)
             for name in ("marks", "creases"):  # there the rasteriser's lines are those of what is in front
                 if name in maps:
@@ -252,6 +257,7 @@ class Scene:
                     looks[name][..., (0, 1, 2, 4)] /= alpha
                 else:
                     np.divide(looks[name], alpha, out=looks[name])
+            looks["emission"] += glow
         if later:
             depth = yield from self._lit_depth(maps, view, projection, frame, size, clip)
             diffuse = yield light(depth, looks)
@@ -286,8 +292,9 @@ class Scene:
         near = np.abs(round_["depth"] - depth) < 1.5 * self.objects.thick[number.astype(np.intp)]
         return np.where(near & (round_["object"] == number), round_["depth"], depth)
 
-    def _behind(self, maps, looks, open_, works):
-        """Changes the pictures where `open_`: to what lies behind, until it shows."""
+    def _behind(self, maps, looks, open_, works, glow=None):
+        """Changes the pictures where `open_`: to what lies behind, until it shows. glow: gets the light of all that is
+        looked through."""
         objects, behind = self.objects, maps["depth"].copy()
         numbers = [name for name in _NUMBERS if name in maps]
         for _ in range(_MOST_BEHIND):
@@ -304,10 +311,28 @@ class Scene:
             open_ &= objects.clear[maps["material"].astype(np.int32)] & (looks["surface"][..., 0] < _SHOWS)
             if not open_.any():
                 break
+            if glow is not None:
+                glow += looks["emission"] * open_[..., None]
         for name in numbers:  # of the rest there is nothing left to be seen
             maps[name][open_] = 1e10 if name == "depth" else 0
         for picture in looks.values():
             picture[open_] = 0
+
+    def _by_light(self, maps, looks, light, view, projection, frame):
+        """The steps that change the looks of what is as the light on it has it."""
+        number = maps["material"].astype(np.int32)
+        where = np.isin(number, list(self.lit)) & (maps["object"] > 0)
+        if not where.any():
+            return
+        for material, first in self.lit.items():
+            here = number == material
+            maps["attributes"][here, first:first + 3] = light[here] / np.float32(self.light.exposure or 1)
+        (found,) = yield [library.load().material_work(
+            self.materials, {**maps, "normal": maps["shading"]}, view, projection, frame,
+            ["color", "gloss", "emission", "surface"])]
+        alpha = np.maximum(found["surface"][..., :1], np.float32(_SHOWS))
+        for name in ("color", "gloss", "emission"):
+            looks[name][where] = (found[name] / alpha)[where]
 
     def _mirrored(self, layers, maps, looks, view, projection, frame, size, clip, sharp):
         """(where flat mirrors are, what they show there); the layers get what is seen in them."""
@@ -326,6 +351,7 @@ class Scene:
                 depth = yield from self._lit_depth(theirs, behind, projection, frame, size, clip)
                 (light,) = yield [self.light.work(depth[..., None], theirs["shading"], behind, projection, frame, clip,
                                                   sharp, turned=look.get("turned"))]
+            yield from self._by_light(theirs, look, light, behind, projection, frame)
             if shown is None:
                 shown = np.zeros_like(layers["color"])
                 layers["seen_color"], layers["seen_depth"] = layers["color"].copy(), layers["depth"].copy()
@@ -378,7 +404,7 @@ class Scene:
         layers["specular"].reshape(-1, 3)[pixels] = reflected
 
     def _background(self, layers, where, view, projection, frame):
-        combined = layers["combined"]
+        combined, glow = layers["combined"], layers["emission"]
         if self.transparent:
             combined[where] = 0
         else:
@@ -390,3 +416,5 @@ class Scene:
                 # A pixel is copied as a whole: four channels one by one take three times as long.
                 one = np.array((*self.sky.color, 1), np.float32).view(np.complex128)
                 np.copyto(combined.view(np.complex128)[..., 0], one[0], where=where)
+        if self.objects.clear.any():  # light that is looked through
+            combined[where, :3] += glow[where]

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a view layer leaves out or has instead, and how the film is exposed, as Cycles takes it."""
 
+import numpy as np
+
 
 def override(depsgraph):
     """The material that all surfaces of a view layer have, None: each has its own."""
@@ -35,7 +37,27 @@ def exposure(depsgraph):
     return depsgraph.scene_eval.cycles.film_exposure
 
 
+def culled(depsgraph):
+    """A function of (evaluated object, its matrix): whether Cycles leaves it out as it is too far away. What is to be
+    left out only where the camera does not see it either throws but shadows then, and stays."""
+    scene, camera = depsgraph.scene_eval, depsgraph.scene.camera
+    if not (scene.render.use_simplify and scene.cycles.use_distance_cull and camera):
+        return lambda _obj, _matrix: False
+    eye, most = np.array(camera.evaluated_get(depsgraph).matrix_world)[:3, 3], scene.cycles.distance_cull_margin
+
+    def far(obj, matrix):
+        if not obj.cycles.use_distance_cull or (scene.cycles.use_camera_cull and obj.cycles.use_camera_cull):
+            return False
+        box, matrix = np.array(obj.bound_box), np.array(matrix)
+        corners = box @ matrix[:3, :3].T + matrix[:3, 3]
+        return bool(np.linalg.norm(eye - np.clip(eye, corners.min(0), corners.max(0))) > most)
+
+    return far
+
+
 def told(depsgraph):
     """All that is read here; equal where it is the same."""
-    return [surfaces(depsgraph), hair(depsgraph), exposure(depsgraph),
+    scene = depsgraph.scene_eval
+    return [surfaces(depsgraph), hair(depsgraph), exposure(depsgraph), scene.render.use_simplify,
+            scene.cycles.use_distance_cull, scene.cycles.distance_cull_margin, scene.cycles.use_camera_cull,
             *(block and block.name_full for block in (override(depsgraph), world(depsgraph)))]

@@ -76,6 +76,7 @@ class Frames:
     def render(self, cycles, depsgraph):
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
         a stage fails; Cancelled."""
+        wanted.refuse_long_names(depsgraph.scene)
         if self.fast:
             settings = self.settings or properties.settings(depsgraph.scene_eval)
             self.fast.render(depsgraph, self._camera(depsgraph), settings)

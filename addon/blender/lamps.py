@@ -106,8 +106,8 @@ class Light:
         self.bends.append(Bend(model, obj.encre.bend_light, obj.encre.bend_fade))
         self.said.append((model.tobytes(), obj.encre.bend_light, obj.encre.bend_fade))
 
-    def place(self, obj, blocks, triangles, matrix, seen):
-        """An instance of triangles.Triangles. blocks: the materials of its slots."""
+    def place(self, obj, blocks, triangles, matrix, seen, casts):
+        """An instance of triangles.Triangles. blocks: the materials of its slots; casts: whether it throws shadows."""
         solid, kept = self._solid(blocks), self.kept
         key = triangles.shape, solid
         self.used.add(key)
@@ -119,7 +119,7 @@ class Light:
             if isinstance(cutout, cutouts.Cutout) and cutout.uv_map in triangles.uvs:
                 self._texture(cutout)
         number, light_sets, shadow_sets = kept.geometry[key], *self.sets.of(obj)
-        matrix, shadow_sets = np.array(matrix, np.float64), shadow_sets if obj.visible_shadow else 0
+        matrix, shadow_sets = np.array(matrix, np.float64), shadow_sets if casts else 0
         self.scene.instance(self.placed, number, matrix, seen, light_sets, shadow_sets)
         self.said.append((number, matrix.tobytes(), seen, light_sets, shadow_sets))
         self.placed += 1
@@ -270,10 +270,13 @@ def _emission(data):
     out = tree and tree.get_output_node("CYCLES")
     if not out:
         return np.ones(3)
-    if not out.inputs["Surface"].is_linked:
+    source = trees.source_of(out.inputs["Surface"])
+    if source is None or trees.is_nothing(source[0]):
         return np.zeros(3)
-    node = out.inputs["Surface"].links[0].from_node
-    if node.bl_idname != "ShaderNodeEmission" or node.mute:
+    node = source[0]
+    if source[1].type != "SHADER":
+        return worlds.color(out.inputs["Surface"])
+    if node.bl_idname != "ShaderNodeEmission":
         raise trees.Unknown(node.name)
     return worlds.color(node.inputs["Color"]) * worlds.value(node.inputs["Strength"])
 

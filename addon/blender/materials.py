@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Node trees of materials -> programs of what they look like without light (csrc/material).
 
-What can't be shown raises Unknown with the node's name; the material then has its viewport colour. To add a node: a
-method of Compiler in nodes.py, of Values in values.py if
-it mixes colours and numbers.
+What can't be shown raises Unknown with the node's name: it costs the input that it leads to, and if it is the shader,
+the material has its viewport colour. To add a node: nodes.py.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +13,7 @@ from ..pen.job import Materials
 from ..pen.program import Pool, TooLong
 from . import nodes, trees, unseen
 
-_PLAIN = (0.8, 0.8, 0.8)  # what a renderer gives a surface without a material
+_LIGHT = "light", ""
 
 
 @dataclass
@@ -52,6 +51,11 @@ class Looks:
         """Whether any of the materials is a hole in the picture, or partly one."""
         return any(self.known[name][1].holdout != 0.0 for name in names)
 
+    def lit(self, names, first):
+        """{number of a material that reads the light on it: the first of the three channels that tell it}."""
+        found = {number: self.sources[name] for number, name in enumerate(names)}
+        return {number: first + 3 * read.index(_LIGHT) for number, read in found.items() if _LIGHT in read}
+
     def through(self, names):
         """Whether light goes through each material: bool (n,)."""
         return np.array([self.known[name][0].through for name in names], bool)
@@ -62,14 +66,15 @@ def read(blocks, images):
     looks = Looks()
     for block in [None, *blocks]:
         name = block and block.name_full
-        compiler = nodes.Compiler(looks.pool, images)
+        compiler = nodes.Compiler(looks.pool, images, block)
         try:
             surface = _surface(compiler, block)
             compiler.finish(surface, 0)  # its results take room, too
-        except (trees.Unknown, TooLong) as e:
-            looks.unknown[name] = str(e)
-            compiler = nodes.Compiler(looks.pool, images)
-            surface = compiler.matt(tuple(map(float, block.diffuse_color[:3])))
+        except Exception as e:  # whatever is wrong with one material is no reason to lose the picture
+            known = isinstance(e, trees.Unknown | TooLong)
+            looks.unknown[name] = str(e) if known else f"reading it failed: {type(e).__name__} {e}"
+            compiler = nodes.Compiler(looks.pool, images, block)
+            surface = compiler.matt(compiler.plain)
         looks.known[name] = compiler, surface
         looks.lost[name] = [*compiler.lost, *([unseen.BEHIND] if compiler.through else [])]
         looks.sources[name] = compiler.sources
@@ -77,12 +82,13 @@ def read(blocks, images):
 
 
 def _surface(compiler, block):
-    if block is None:
-        return compiler.matt(_PLAIN)
-    if not block.use_nodes or block.node_tree is None:
-        return compiler.matt(tuple(map(float, block.diffuse_color[:3])))
-    out = block.node_tree.get_output_node("CYCLES")
+    if block is None or not block.use_nodes or block.node_tree is None:
+        return compiler.matt(compiler.plain)
+    tree = block.node_tree
+    out = tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
     if out is None:
         return compiler.nothing()
     compiler.lost += unseen.of_output(out)
-    return compiler.shader(out.inputs["Surface"])
+    if trees.fills_only(out):
+        return compiler.clear()
+    return compiler.material(out.inputs["Surface"])

@@ -100,9 +100,11 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     read attributes, after the controls; with them there is hair. `anchored`: whether to tell where surfaces rest;
     `unwrapped`: which way their UV maps lie.
     """
-    meshes, shown, ribbons, owners, numbers, things = [], [], [], [0], [0], [(0,) * 18]
+    meshes, shown, ribbons, owners, numbers = [], [], [], [0], [0]
+    things = [(0,) * (18 + 4 * len(looks.pool.asked if looks else ()))]
     catchers, holdouts = [False], [False]
     running, materials = {}, _Materials(depsgraph.scene_eval)
+    far = filters.culled(depsgraph)
     override, surfaces, grows = (of(depsgraph) for of in (filters.override, filters.surfaces, filters.hair))
     smooth, kept = bool(light) or kept is not None, kept or Kept()
     first_free = 0 if line_numbers is None else len(line_numbers)
@@ -119,8 +121,10 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         top = instance.parent if instance.is_instance else obj
         if visible and not visible(top.original):
             continue
-        seen = _in_camera(obj, depsgraph)
-        if not seen and not (light and obj.visible_shadow):
+        seen = not far(obj, instance.matrix_world) and all(thing.visible_camera for thing in (obj, top)) \
+            and not top.original.indirect_only_get(view_layer=depsgraph.view_layer)
+        casts = obj.visible_shadow and top.visible_shadow and not far(obj, instance.matrix_world)
+        if not seen and not (light and casts):
             continue
         # Instances come as one passing object. An evaluated mesh has its modifiers in it, a curve or text has not.
         own = None if obj.type == "MESH" else obj.original.as_pointer()
@@ -145,15 +149,17 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         made = [(key, triangles) for key, triangles in made if triangles is not None]
         if light:
             for _, triangles in made:
-                light.place(obj, blocks, triangles, instance.matrix_world, seen)
+                light.place(obj, blocks, triangles, instance.matrix_world, seen, casts)
         if not seen or not made:
             continue
         number = len(owners)
         parts = range(first_free + number, first_free + number + made[0][1].n_parts)
         owners += [obj.pass_index] * len(parts)
-        catchers += [obj.is_shadow_catcher] * len(parts)
+        catchers += [obj.is_shadow_catcher or top.is_shadow_catcher] * len(parts)
         holdouts += [top.original.holdout_get(view_layer=depsgraph.view_layer)] * len(parts)
-        things += [_thing(instance, obj)] * len(parts) if looks else []
+        if looks:
+            things += [(*_thing(instance, obj), *(number for kind, name in looks.pool.asked for number in
+                                                  _asked(kind, name, instance, obj, depsgraph)))] * len(parts)
         numbers.append(_line_number(instance, obj, automatic, line_numbers, running, parts[0]))
         numbers += [own if automatic else -own for own in parts[1:]]  # negative: no pass index is
         for _, triangles in made:  # hair has the number of what it grows on, as in Cycles
@@ -195,6 +201,30 @@ def _thing(instance, obj):
             *(x for row in matrix.to_3x3() for x in row))
 
 
+def _asked(kind, name, instance, obj, depsgraph):
+    """Four numbers that an Attribute node asks of a thing, of what has placed it, or of the view layer: 0 where there
+    is no such property."""
+    if kind == "VIEW_LAYER":
+        owners = depsgraph.view_layer_eval, depsgraph.scene_eval
+    elif kind == "INSTANCER" and instance.is_instance:
+        owners = instance.parent, instance.parent.data, obj, obj.data
+    else:
+        owners = obj, obj.data
+    for owner in filter(None, owners):
+        value = owner.get(name)
+        if value is None:
+            try:
+                value = owner.path_resolve(name)
+            except ValueError:
+                continue
+        try:
+            return (*(float(x) for x in value), 0.0, 0.0, 0.0)[:3] + (float(value[3]) if len(value) > 3 else 1.0,) \
+                if hasattr(value, "__len__") else (float(value),) * 3 + (1.0,)
+        except (TypeError, ValueError):  # a text, or another block
+            continue
+    return (0.0,) * 4
+
+
 def _random_id(instance):
     """32 bits that a thing keeps from frame to frame. Of what is no instance Blender tells none."""
     if instance.is_instance:
@@ -217,12 +247,6 @@ def _copy_seed(instance, obj):
     data = obj.original.data
     shared = instance.is_instance or data.users - data.use_fake_user > 1
     return (_random_id(instance) | 1) - 0x80000000 if shared else 0
-
-
-def _in_camera(obj, depsgraph):
-    if not obj.visible_camera:
-        return False
-    return not obj.original.indirect_only_get(view_layer=depsgraph.view_layer)
 
 
 def _line_number(instance, obj, automatic, line_numbers, running, own):
@@ -257,9 +281,12 @@ class _Materials:
 def _lets_through(material):
     """Whether light may pass through the surfaces of a material: whether any of its nodes is transparent."""
     for node in trees.nodes_of(material):
-        alpha = node.inputs.get("Alpha") if node.bl_idname == "ShaderNodeBsdfPrincipled" else None
-        if node.bl_idname == "ShaderNodeBsdfTransparent" or (
+        kind = node.bl_idname.removeprefix("ShaderNode")
+        alpha = node.inputs.get("Alpha") if kind == "BsdfPrincipled" else None
+        if kind in ("BsdfTransparent", "BsdfRayPortal", "EeveeSpecular") or (
                 alpha and (alpha.is_linked or alpha.default_value < 1)):
+            return True
+        if kind == "OutputMaterial" and trees.fills_only(node):
             return True
     return False
 

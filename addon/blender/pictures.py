@@ -8,12 +8,9 @@ import time
 import bpy
 import numpy as np
 
-from ..pen.colour import decode_srgb
 from ..pen.job import Picture
-from . import trees
+from . import spaces, trees
 
-# Of pictures of 8 bits. One by one: last bits of a whole array's depend on where it lies in numpy up to 1.24.
-_DECODED = np.array([decode_srgb(value / 255) for value in range(256)], np.float32)
 _BEGUN = time.time_ns()  # when this module was loaded
 
 
@@ -78,12 +75,13 @@ class Images:
         self._known = {key: known for key, known in self._known.items()
                        if known[2] and key[0] in now and known[2] == _origin(now[key[0]])}
 
-    def get(self, image, wrap):
-        """The job.Picture of a Blender image."""
-        key = image.name_full, image.colorspace_settings.name, tuple(image.size)
+    def get(self, image, wrap, alone=False):
+        """The job.Picture of a Blender image; alone: whether nobody asks for its alpha."""
+        key = (image.name_full, image.colorspace_settings.name, image.alpha_mode, tuple(image.size),
+               alone and has_alpha(image))
         now = _turns.get(image.name_full, 0)
         if key not in self._known or self._known[key][0] != now:
-            self._known[key] = now, _levels(_pixels(image)), _origin(image)
+            self._known[key] = now, _levels(_pixels(image, alone)), _origin(image)
         texels, width, height, levels = self._known[key][1]
         return Picture(texels, width, height, levels, wrap)
 
@@ -107,23 +105,35 @@ def colors(picture):
 def linear(image):
     """values(), the colours scene-linear."""
     out = values(image)
-    if out is not None and not image.is_float and image.colorspace_settings.name == "sRGB":
-        encoded = out[..., :3] if image.channels > 2 else out[..., :1]
-        encoded[...] = _DECODED[(encoded * np.float32(255) + np.float32(0.5)).astype(np.uint8)]
+    if out is not None and not image.is_float:
+        colored = min(out.shape[2], 3) if out.shape[2] > 2 else 1
+        out[..., :colored] = spaces.linear(image, out[..., :colored])[..., :colored]
     return out
 
 
-def _pixels(image):
-    """(height, width, 4), scene-linear, row 0 at the bottom; magenta where the file is not there, as renderers have."""
-    out = linear(image)
+def has_alpha(image):
+    """Whether alpha says where an image is, and is not just a channel more."""
+    return image.channels in (2, 4) and image.alpha_mode not in ("NONE", "CHANNEL_PACKED") and not (
+        image.colorspace_settings.is_data)
+
+
+def _pixels(image, alone):
+    """(height, width, 4), scene-linear, row 0 at the bottom, multiplied by alpha if that says where the image is;
+    magenta where the file is not there, as renderers have. alone: whether the alpha is not asked for: as in Cycles,
+    bytes then are multiplied as they are in the file."""
+    out = values(image)
     if out is None:
         return np.array([[[1, 0, 1, 1]]], np.float32)
-    if image.channels == 4:
-        return out
     whole = np.ones((*out.shape[:2], 4), np.float32)
-    whole[..., :3] = colors(out)
-    if image.channels == 2:
-        whole[..., 3] = out[..., 1]
+    if image.channels in (2, 4) and image.alpha_mode != "NONE":
+        whole[..., 3] = out[..., -1]
+    color, alpha = colors(out), whole[..., 3:]
+    if not image.is_float:
+        before = has_alpha(image) and alone and (alpha < 1).any()
+        color = spaces.linear(image, color * alpha if before else color)
+        if has_alpha(image) and not before:
+            color = color * alpha
+    whole[..., :3] = color
     return whole
 
 

@@ -54,10 +54,12 @@ def read(depsgraph, camera=None, drawn=None):
 
 def _bounds(obj):
     """The two ends of an evaluated object's box in its own coordinates, of one without points far out."""
-    if obj.type == obj.original.type:
+    if obj.type == obj.original.type and isinstance(obj.data, type(obj.original.data)):
         box = np.array(obj.bound_box, np.float64)
         return box[0], box[6]
-    points = get(obj.data.vertices, "co", np.float32, 3)  # Blender never frees the box of what passes for a curve
+    # Blender never frees the box of what passes for a curve; and nodes leave curves, points and volumes beside meshes.
+    vertices = getattr(obj.data, "vertices", ())
+    points = get(vertices, "co", np.float32, 3) if len(vertices) else ()
     return (points.min(0).astype(np.float64), points.max(0).astype(np.float64)) if len(points) else (2 * _NOWHERE,) * 2
 
 

@@ -6,6 +6,8 @@ import functools
 import numpy as np
 from mathutils import Euler
 
+from ..pen.colour import LUMINANCE
+
 _DEEPEST = 60  # nodes one behind the other
 
 
@@ -27,16 +29,63 @@ def nodes_of(material):
 
 
 def source_of(socket):
-    """(node, its output) that a socket is linked to, past reroutes; None. Links that close a ring are invalid: as in
-    Cycles they are none."""
-    while socket.is_linked:
-        link = socket.links[0]
-        if not link.is_valid:
-            break
-        if link.from_node.bl_idname != "NodeReroute":
-            return link.from_node, link.from_socket
-        socket = link.from_node.inputs[0]
-    return None
+    """(node, its output) that a socket is linked to, past reroutes and muted nodes; None: it has its own value. Links
+    that close a ring are invalid: as in Cycles they are none. A reroute, or a node that is muted, to which nothing is
+    linked is given itself: its value is nothing()."""
+    source, passed = None, set()
+    while link := _link(socket):
+        node, output = link.from_node, link.from_socket
+        if node.bl_idname == "NodeReroute":
+            socket = node.inputs[0]
+        elif node.mute:
+            socket = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
+            if socket is None:  # the link ends there
+                break
+        else:
+            return node, output
+        if node.name in passed:  # a ring
+            return None
+        passed.add(node.name)
+        source = node, output
+    return source
+
+
+def _link(socket):
+    """The link that counts of a socket, None."""
+    link = socket.links[0] if socket.is_linked and len(socket.links) else None
+    return link if link and link.is_valid and not link.is_muted else None
+
+
+def nothing(socket, shader=None):
+    """What an output of nothing gives: 0, black, or shader()."""
+    if socket.type == "SHADER" and shader:
+        return shader()
+    return 0.0 if socket.type in ("VALUE", "INT", "BOOLEAN") else (0.0,) * 3
+
+
+def is_nothing(node):
+    """Whether a node that source_of() gave gives nothing()."""
+    return node.mute or node.bl_idname == "NodeReroute"
+
+
+def own(socket):
+    """The number or the three that a socket has where nothing is linked; 0: it has neither."""
+    given = getattr(socket, "default_value", 0.0)
+    if isinstance(given, str) or not hasattr(given, "__len__"):
+        return float(given) if isinstance(given, int | float) else 0.0
+    return (*map(float, given[:3]), 0.0, 0.0)[:3]
+
+
+def own_number(socket):
+    """Likewise as a number."""
+    given = own(socket)
+    weights = LUMINANCE if socket.type == "RGBA" else (1 / 3,) * 3
+    return float(np.dot(given, weights)) if isinstance(given, tuple) else given
+
+
+def fills_only(out):
+    """Whether a material, by its output, has a volume and no surface, which then is clear."""
+    return source_of(out.inputs["Surface"]) is None and source_of(out.inputs["Volume"]) is not None
 
 
 def bounded(read):

@@ -3,13 +3,13 @@
 
 import functools
 
-import numpy as np
-
+from ..pen.colour import LUMINANCE
 from ..pen.program import Register
 from . import attributes, trees, worlds
+from .sums import Sums
 
 
-class Values:
+class Values(Sums):
     """A method for each kind of node; Compiler gives `build`, number(), three(), _each(), _mixed(), _scalars()
     and _mesh()."""
 
@@ -19,19 +19,12 @@ class Values:
     def _Value(self, node):
         return {"Value": float(node.outputs[0].default_value)}
 
-    def _ObjectInfo(self, node):
-        thing = [self.build.run("thing", data=(k,))[0] for k in range(9)]
-        return {"Color": tuple(thing[:3]), "Alpha": thing[3], "Random": thing[4], "Object Index": thing[5],
-                "Location": tuple(thing[6:9])}
-
     def _LightPath(self, node):
         return {socket.name: worlds.SEEN.get(socket.name, 0.0) for socket in node.outputs}
 
     def _ValToRGB(self, node):
         ramp, share = node.color_ramp, self.number(trees.input_of(node, "Fac"))
-        if ramp.color_mode != "RGB":
-            raise trees.Unknown(node.name)
-        if ramp.interpolation in ("LINEAR", "CONSTANT"):
+        if ramp.interpolation == "CONSTANT" or (ramp.interpolation == "LINEAR" and ramp.color_mode == "RGB"):
             stops = [(stop.position, *stop.color) for stop in ramp.elements]
         else:
             stops = [(k / 256, *ramp.evaluate(k / 256)) for k in range(257)]
@@ -39,6 +32,23 @@ class Values:
         name = "steps" if ramp.interpolation == "CONSTANT" else "ramp"
         r, g, b, alpha = self.build.run(name, (share,), (at, len(stops)))
         return {"Color": (r, g, b), "Alpha": alpha}
+
+    def _FloatCurve(self, node):
+        mapping, value = node.mapping, self.number(node.inputs["Value"])
+        mapping.update()
+        table = [mapping.evaluate(mapping.curves[0], k / 256) for k in range(257)]
+        curved = self.build.run("curve", (value,), (self.build.pool.place(table), 257))[0]
+        return {"Value": self.build.mix(value, curved, self.number(trees.input_of(node, "Factor")))}
+
+    def _VectorCurve(self, node):
+        mapping, vector, build = node.mapping, self.three(node.inputs["Vector"]), self.build
+        mapping.update()
+        out = []
+        for k in range(3):
+            table = [mapping.evaluate(mapping.curves[k], step / 128 - 1) for step in range(257)]
+            share = build.multiply(build.add(vector[k], 1.0), 0.5)
+            out.append(build.run("curve", (share,), (build.pool.place(table), 257))[0])
+        return {"Vector": self._mixed(vector, tuple(out), self.number(trees.input_of(node, "Fac")))}
 
     def _RGBCurve(self, node):
         color, share = self.three(node.inputs["Color"]), self.number(trees.input_of(node, "Fac"))
@@ -51,109 +61,8 @@ class Values:
             out.append(self.build.run("curve", (color[k],), (self.build.pool.place(table), 257))[0])
         return {"Color": self._mixed(color, tuple(out), share)}
 
-    def _MixRGB(self, node):
-        return {"Color": self._blend(node, node.blend_type, self.number(trees.input_of(node, "Fac")),
-                                     self.three(node.inputs["Color1"]), self.three(node.inputs["Color2"]),
-                                     node.use_clamp)}
-
-    def _Mix(self, node):
-        def of(name, kind):
-            return next(s for s in node.inputs if s.identifier == f"{name}_{kind}")
-
-        share = self.number(of("Factor", "Float"))
-        share = self.build.clamp(share) if node.clamp_factor else share
-        if node.data_type == "RGBA":
-            value = self._blend(node, node.blend_type, share, self.three(of("A", "Color")),
-                                self.three(of("B", "Color")), node.clamp_result)
-            return {"Result_Color": value}
-        if node.data_type == "FLOAT":
-            return {"Result_Float": self.build.mix(self.number(of("A", "Float")), self.number(of("B", "Float")), share)}
-        if node.data_type == "VECTOR" and node.factor_mode == "UNIFORM":
-            return {"Result_Vector": self._mixed(self.three(of("A", "Vector")), self.three(of("B", "Vector")), share)}
-        raise trees.Unknown(node.name)
-
-    def _blend(self, node, kind, share, a, b, clamp):
-        build = self.build
-        share = build.clamp(share)
-        blends = {
-            "MIX": lambda x, y: y,
-            "MULTIPLY": build.multiply,
-            "ADD": build.add,
-            "SUBTRACT": build.subtract,
-            "DARKEN": build.minimum,
-            "LIGHTEN": build.maximum,
-            "DIFFERENCE": lambda x, y: build.apply("absolute", build.subtract(x, y)),
-            "SCREEN": lambda x, y: build.subtract(1.0, build.multiply(build.subtract(1.0, x), build.subtract(1.0, y))),
-            "DIVIDE": build.divide,
-            "OVERLAY": self._overlay,
-        }
-        if kind not in blends:
-            raise trees.Unknown(node.name)
-        out = self._each(lambda x, y: build.mix(x, blends[kind](x, y), share), a, b)
-        return tuple(map(build.clamp, out)) if clamp else out
-
-    def _overlay(self, x, y):
-        build = self.build
-        dark = build.multiply(2.0, build.multiply(x, y))
-        light = build.subtract(1.0, build.multiply(2.0, build.multiply(build.subtract(1.0, x), build.subtract(1.0, y))))
-        return build.mix(light, dark, build.less(x, 0.5))
-
-    def _Math(self, node):
-        build = self.build
-        a, b, c = ([self.number(socket) for socket in node.inputs] + [0.0, 0.0])[:3]
-
-        def turn(name):
-            return lambda: build.apply(name, a)
-
-        kinds = {
-            "ADD": lambda: build.add(a, b), "SUBTRACT": lambda: build.subtract(a, b),
-            "MULTIPLY": lambda: build.multiply(a, b), "DIVIDE": lambda: build.divide(a, b),
-            "MULTIPLY_ADD": lambda: build.add(build.multiply(a, b), c),
-            "POWER": lambda: build.apply("power", a, b), "SQRT": turn("root"), "ABSOLUTE": turn("absolute"),
-            "MINIMUM": lambda: build.minimum(a, b), "MAXIMUM": lambda: build.maximum(a, b),
-            "LESS_THAN": lambda: build.less(a, b), "GREATER_THAN": lambda: build.less(b, a),
-            "FLOOR": turn("floor"), "FRACT": lambda: build.subtract(a, build.apply("floor", a)),
-            "CEIL": lambda: build.subtract(0.0, build.apply("floor", build.subtract(0.0, a))),
-            "ROUND": lambda: build.apply("floor", build.add(a, 0.5)),
-            "SINE": turn("sine"), "COSINE": turn("cosine"),
-            "ARCTAN2": lambda: build.apply("angle", a, b),
-            "RADIANS": lambda: build.multiply(a, np.pi / 180), "DEGREES": lambda: build.multiply(a, 180 / np.pi),
-        }
-        if node.operation not in kinds:
-            raise trees.Unknown(node.name)
-        value = kinds[node.operation]()
-        return {"Value": build.clamp(value) if node.use_clamp else value}
-
-    def _VectorMath(self, node):
-        build, (a, b) = self.build, (self.three(socket) for socket in list(node.inputs)[:2])
-        kinds = {"ADD": build.add, "SUBTRACT": build.subtract, "MULTIPLY": build.multiply, "DIVIDE": build.divide,
-                 "MINIMUM": build.minimum, "MAXIMUM": build.maximum}
-        if node.operation in kinds:
-            return {"Vector": self._each(kinds[node.operation], a, b)}
-        squares = build.add(build.multiply(a[0], a[0]), build.add(build.multiply(a[1], a[1]),
-                                                                  build.multiply(a[2], a[2])))
-        if node.operation == "SCALE":
-            scale = self.number(node.inputs["Scale"])
-            return {"Vector": tuple(build.multiply(x, scale) for x in a)}
-        if node.operation == "LENGTH":
-            return {"Value": build.apply("root", squares)}
-        if node.operation == "NORMALIZE":
-            length = build.apply("root", squares)
-            return {"Vector": tuple(build.divide(x, length) for x in a)}
-        if node.operation == "DOT_PRODUCT":
-            parts = self._each(build.multiply, a, b)
-            return {"Value": build.add(parts[0], build.add(parts[1], parts[2]))}
-        raise trees.Unknown(node.name)
-
-    def _MapRange(self, node):
-        if node.data_type != "FLOAT" or node.interpolation_type != "LINEAR":
-            raise trees.Unknown(node.name)
-        build = self.build
-        value, low, high, to_low, to_high = (self.number(node.inputs[name]) for name in
-                                             ("Value", "From Min", "From Max", "To Min", "To Max"))
-        share = build.divide(build.subtract(value, low), build.subtract(high, low))
-        share = build.clamp(share) if node.clamp else share
-        return {"Result": build.add(to_low, build.multiply(share, build.subtract(to_high, to_low)))}
+    def _RGBToBW(self, node):
+        return {"Val": self._dot(self.three(node.inputs["Color"]), LUMINANCE)}
 
     def _SeparateXYZ(self, node):
         return dict(zip("XYZ", self.three(node.inputs[0]), strict=True))
@@ -162,19 +71,39 @@ class Values:
         return {"Vector": tuple(self.number(socket) for socket in node.inputs)}
 
     def _SeparateColor(self, node):
+        values = self.three(node.inputs[0])
         if node.mode == "HSV":
-            values = self.build.run("to_hsv", self.three(node.inputs[0]))
-        elif node.mode == "RGB":
-            values = self.three(node.inputs[0])
-        else:
-            raise trees.Unknown(node.name)
+            values = self.build.run("to_hsv", values)
+        elif node.mode == "HSL":
+            values = self._to_hsl(values)
         return dict(zip(("Red", "Green", "Blue"), values, strict=True))
 
     def _CombineColor(self, node):
         values = tuple(self.number(socket) for socket in node.inputs)
-        if node.mode not in ("RGB", "HSV"):
-            raise trees.Unknown(node.name)
-        return {"Color": self.build.run("from_hsv", values) if node.mode == "HSV" else values}
+        if node.mode == "HSV":
+            values = self.build.run("from_hsv", values)
+        elif node.mode == "HSL":
+            values = self._from_hsl(values)
+        return {"Color": values}
+
+    def _SeparateHSV(self, node):
+        return dict(zip("HSV", self.build.run("to_hsv", self.three(node.inputs[0])), strict=True))
+
+    def _CombineHSV(self, node):
+        return {"Color": self.build.run("from_hsv", tuple(self.number(socket) for socket in node.inputs))}
+
+    def _to_hsl(self, color):
+        build = self.build
+        hue, saturation, value = build.run("to_hsv", color)
+        light = build.multiply(value, build.subtract(1.0, build.multiply(0.5, saturation)))
+        wide = build.minimum(light, build.subtract(1.0, light))
+        return hue, build.divide(build.subtract(value, light), wide), light
+
+    def _from_hsl(self, color):
+        build, (hue, saturation, light) = self.build, color
+        value = build.add(light, build.multiply(saturation, build.minimum(light, build.subtract(1.0, light))))
+        share = build.multiply(2.0, build.divide(build.subtract(value, light), value))
+        return build.run("from_hsv", (hue, share, value))
 
     def _SeparateRGB(self, node):
         return dict(zip("RGB", self.three(node.inputs[0]), strict=True))
@@ -189,7 +118,10 @@ class Values:
 
     def _Gamma(self, node):
         gamma = self.number(node.inputs["Gamma"])
-        return {"Color": tuple(self.build.apply("power", c, gamma) for c in self.three(node.inputs["Color"]))}
+        build, out = self.build, []
+        for c in self.three(node.inputs["Color"]):  # what is not above 0 stays
+            out.append(build.mix(c, build.apply("power", build.maximum(c, 0.0), gamma), build.less(0.0, c)))
+        return {"Color": tuple(out)}
 
     def _BrightContrast(self, node):
         build = self.build
@@ -206,13 +138,6 @@ class Values:
         turned = build.add(build.add(h, hue), 0.5)
         out = build.run("from_hsv", (turned, build.clamp(build.multiply(s, saturation)), build.multiply(v, value)))
         return {"Color": tuple(build.maximum(c, 0.0) for c in self._mixed(color, out, share))}
-
-    def _Clamp(self, node):
-        build = self.build
-        if node.clamp_type != "MINMAX":
-            raise trees.Unknown(node.name)
-        value, low, high = (self.number(node.inputs[name]) for name in ("Value", "Min", "Max"))
-        return {"Result": build.minimum(build.maximum(value, low), high)}
 
     # Normal maps
 

@@ -77,6 +77,22 @@ def passes(scene, view_layer):
         yield versions.pass_name(name), channels, kind
 
 
+_LONGEST = 63  # bytes of a channel's name in a file of Blender's, who cuts what is longer
+
+
+def refuse_long_names(scene):
+    """EncreError: a view layer's name is too long for the passes that its file is to keep, which nothing could read."""
+    if scene.render.image_settings.file_format != "OPEN_EXR_MULTILAYER" or not keeps(scene):
+        return
+    eyes = [view.name for view in scene.render.views if view.use] if scene.render.use_multiview else []
+    eye = max((len(name.encode()) + 1 for name in eyes), default=0)
+    for layer in scene.view_layers:
+        room = _LONGEST - eye - max(len(f".{name}.X") for name in own(scene, layer))
+        if layer.use and len(layer.name.encode()) > room:
+            raise EncreError(f"view layer {layer.name}: its name takes {len(layer.name.encode())} bytes, and a file "
+                             f"that keeps layers has room for {room}: give it a shorter name")
+
+
 def _view(scene):
     """How Blender shows what it saves of the scene."""
     given = scene.render.image_settings if scene.render.image_settings.color_management == "OVERRIDE" else scene

@@ -63,10 +63,12 @@ def _shader(socket, kind):
     source = trees.source_of(socket)
     if source is None:
         return kind.constant(np.zeros(3))
-    node = source[0]
-    if node.mute:
-        raise trees.Unknown(node.name)
-    if node.bl_idname == "ShaderNodeBackground":
+    node, output = source
+    if trees.is_nothing(node):
+        return kind.constant(np.zeros(3))
+    if output.type != "SHADER":  # it glows
+        return _color(socket, kind)
+    if node.bl_idname in ("ShaderNodeBackground", "ShaderNodeEmission"):
         return _color(node.inputs["Color"], kind) * value(node.inputs["Strength"], kind.ray)
     if node.bl_idname == "ShaderNodeAddShader":
         return _shader(node.inputs[0], kind) + _shader(node.inputs[1], kind)
@@ -80,7 +82,7 @@ def _shader(socket, kind):
 
 def _color(socket, kind):
     source = trees.source_of(socket)
-    if source and source[0].bl_idname == "ShaderNodeTexEnvironment":
+    if source and source[0].bl_idname == "ShaderNodeTexEnvironment" and not source[0].mute:
         return _environment(source[0], kind)
     return kind.constant(color(socket))
 
@@ -90,19 +92,21 @@ def value(socket, ray=_RAY):
     """The number that a socket gets. Unknown: it isn't the same everywhere."""
     source = trees.source_of(socket)
     if source is None:
-        return float(socket.default_value)
+        return trees.own_number(socket)
     node, output = source
+    if trees.is_nothing(node):
+        return 0.0
     if node.bl_idname == "ShaderNodeValue":
         return float(node.outputs[0].default_value)
     if node.bl_idname == "ShaderNodeLightPath":
         return ray.get(output.name, 0.0)
     if node.bl_idname == "ShaderNodeMath":
-        return _math(node, ray)
+        return summed(node, *(value(node.inputs[k], ray) for k in range(2)))
     raise trees.Unknown(node.name)
 
 
-def _math(node, ray):
-    a, b = (value(node.inputs[k], ray) for k in range(2))
+def summed(node, a, b):
+    """What a Math node makes of two numbers."""
     results = {"ADD": a + b, "SUBTRACT": a - b, "MULTIPLY": a * b, "MAXIMUM": max(a, b), "MINIMUM": min(a, b),
                "GREATER_THAN": float(a > b), "LESS_THAN": float(a < b)}
     if node.operation not in results:
@@ -114,9 +118,13 @@ def color(socket):
     """The linear colour (3,) that a socket gets. Unknown: it isn't the same everywhere."""
     source = trees.source_of(socket)
     if source is None:
-        return np.array(socket.default_value[:3], np.float64)
+        return np.broadcast_to(np.float64(trees.own(socket)), 3)
+    if trees.is_nothing(source[0]):
+        return np.zeros(3)
     if source[0].bl_idname == "ShaderNodeRGB":
         return np.array(source[0].outputs[0].default_value[:3], np.float64)
+    if source[1].type == "VALUE":
+        return np.full(3, value(socket))
     raise trees.Unknown(source[0].name)
 
 
@@ -124,7 +132,7 @@ def _environment(node, kind):
     image = pictures.still(node)
     if node.projection != "EQUIRECTANGULAR" or image is None or not all(image.size):
         raise trees.Unknown(node.name)
-    return kind.picture(pictures.colors(pictures.values(image))[::-1], _rotation(node))
+    return kind.picture(pictures.colors(pictures.linear(image))[::-1], _rotation(node))
 
 
 def _shrunk(picture):

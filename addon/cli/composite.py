@@ -352,6 +352,9 @@ class _Work:
         self._say("note", settings.blots(_place(stored, window).height))
         self._say("note", missing and f"{where} has {'; '.join(missing)}")
         self._say("note", _idle(read, settings, where))
+        if behind := np.count_nonzero(read["depth"] < 0):
+            self._say("warning", f"{where}: the depth of {behind} pixels is negative, behind the camera: lines between "
+                                 "them may be missing or too many; save it growing away from the camera")
         with interrupt.heeded() as progress:
             def go_on(fraction):
                 self.room.give_back()

@@ -179,6 +179,7 @@ def prepare(job, report):
         mute(scene, "encre.save_layers")
         if width * height <= MOST_PLAIN:  # frames.py packs it, once
             picture.exr_codec = "NONE"
+    wanted.refuse_long_names(scene)
     return scene
 
 

@@ -142,17 +142,23 @@ class Exr:
         return f"{before}.{view}.{letter}" if view else name
 
     def read(self, channels: list[str]) -> dict[str, np.ndarray]:
-        """{full name: float32 (height, width)}, row 0 at the top."""
+        """{full name: float32 (height, width)}, row 0 at the top. EncreError: one is not there, or the file ends."""
+        if lost := [name for name in channels if name not in self.channels]:
+            raise EncreError(f"{self.path}: has no channel {lost[0]}; render it with Save Layers")
         width, height = self.window[:2]
         found = {name: np.empty((height, width), np.float32) for name in channels}
         try:
             for part in self._parts:
                 wanted = [(*part.channels[name], found[full]) for name in part.channels
                           if (full := self._full(part, name)) in found]
+                there = np.zeros(height, bool)
                 for first, rows in self._chunks(part) if wanted else ():
+                    there[first:first + len(rows)] = True
                     for at, kind, picture in wanted:
                         those = np.ascontiguousarray(rows[:, at:at + kind.itemsize * width]).view(kind)
                         picture[first:first + len(rows)] = those
+                if wanted and not there.all():  # a chunk stands in another's place
+                    raise ValueError
         except (struct.error, IndexError, ValueError, OverflowError, zlib.error):
             raise EncreError(f"{self.path}: can't be read to its end; render or copy it again") from None
         return found

@@ -32,11 +32,12 @@ class TooLong(EncreError):
 
 
 class Pool:
-    """Constants and textures that programs share."""
+    """Constants and textures that programs share, and what they ask of things."""
 
     def __init__(self) -> None:
         self.constants: list[float] = []
         self.textures: list[Picture] = []
+        self.asked: list[tuple[str, str]] = []
         self._known: dict[tuple[float, ...], int] = {}
 
     def place(self, numbers: Sequence[float]) -> int:
@@ -46,6 +47,12 @@ class Pool:
             self._known[key] = len(self.constants)
             self.constants += key
         return self._known[key]
+
+    def told(self, kind: str, name: str) -> int:
+        """Which of the attributes `asked` of things this is."""
+        if (kind, name) not in self.asked:
+            self.asked.append((kind, name))
+        return self.asked.index((kind, name))
 
     def texture(self, texture: Picture) -> int:
         for k, other in enumerate(self.textures):

@@ -209,9 +209,8 @@ static inline float pixel_exp(float x)
 	return scaled_exp((x - n * 0.693359375f) + n * 2.12194440e-4f, (int32_t)n);
 }
 
-/* x^y for x >= 0, finite, y >= 0; 0 where that is below 2^-126, 2^127 where it is above. The exponent needs double: it
- * is multiplied by up to 128 before it is looked at to a part in 2^24. Logarithm by the series of artanh. */
-static inline float pixel_pow(float x, float y)
+/* The logarithm of x > 0, finite, to the base 2, by the series of artanh. */
+static inline double pixel_log2(float x)
 {
 	float normal = x < FLT_MIN ? x * 16777216.0f : x;
 	int32_t bits = float_bits(normal) - 0x3f3504f3; /* mantissa from sqrt(1/2) to sqrt(2) */
@@ -219,7 +218,20 @@ static inline float pixel_pow(float x, float y)
 	double m = (double)bits_float((bits & 0x7fffff) + 0x3f3504f3);
 	double s = (m - 1) / (m + 1), z = s * s;
 	double series = 1 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11)))));
-	double t = (double)y * ((double)exponent + 2.8853900817779268 * s * series);
+	return (double)exponent + 2.8853900817779268 * s * series;
+}
+
+/* Natural, of x > 0, finite. */
+static inline float pixel_log(float x)
+{
+	return (float)(pixel_log2(x) * 0.69314718055994531);
+}
+
+/* x^y for x >= 0, finite, y >= 0; 0 where that is below 2^-126, 2^127 where it is above. The exponent needs double: it
+ * is multiplied by up to 128 before it is looked at to a part in 2^24. */
+static inline float pixel_pow(float x, float y)
+{
+	double t = (double)y * pixel_log2(x);
 	double u = t > 127 ? 127 : t < -126 ? -126 : t;
 	float n = nearest_int((float)u);
 	float power = scaled_exp((float)((u - (double)n) * 0.69314718055994531), (int32_t)n);

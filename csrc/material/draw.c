@@ -3,6 +3,7 @@
 #include "base/arena.h"
 #include "base/bands.h"
 #include "base/pixel.h"
+#include "material/eye.h"
 #include "material/material.h"
 
 #include <stdlib.h>
@@ -24,8 +25,7 @@ typedef struct drawing {
 	const bands *pool;
 	const encre_materials *materials;
 	int width, height, most_registers, most_operations;
-	double inverse[12]; /* pixel and depth -> world: right, down, ahead, origin */
-	bool straight;      /* rays of an orthographic camera */
+	eye eye;
 	/* per thread */
 	block *blocks;
 	float *reg, *reach;
@@ -42,6 +42,11 @@ static inline int32_t material_at(const drawing *d, int x, int y)
 		return -1;
 	float number = *pixel_at(&d->job->material, x, y);
 	return number >= 0 && number < (float)d->materials->n_programs ? (int32_t)number : -1;
+}
+
+static inline float job_depth(const drawing *d, int x, int y)
+{
+	return *pixel_at(&d->job->depth, x, y);
 }
 
 /* On which side along a way, 1 or -1, the neighbour of the same surface lies to which n attributes change least, or
@@ -78,20 +83,9 @@ static int side_along(const drawing *d, int x, int y, int dx, int dy, int n, boo
 	return found;
 }
 
-/* The point of the world that a pixel shows. */
-static void place_at(const drawing *d, int x, int y, double out[3])
-{
-	double z = (double)*pixel_at(&d->job->depth, x, y), wide = d->straight ? 1 : z;
-	double px = d->job->frame.x + x + 0.5, py = d->job->frame.y + y + 0.5;
-	for (int c = 0; c < 3; c++) {
-		const double *m = d->inverse + c;
-		out[c] = wide * (m[0] * px + m[3] * py) + z * m[6] + m[9];
-	}
-}
-
 /* What a program of its operations reads. */
 typedef struct reads {
-	bool channels, steps, place, normal, beside;
+	bool channels, steps, place, normal, beside, looked;
 	bool jumps; /* whether what it computes jumps from place to place */
 } reads;
 
@@ -107,8 +101,8 @@ static void step_along(const drawing *d, block *b, int i, int x, int y, int down
 		to[c][i] = (float)side * (other[c] - own[c]);
 	if (r->beside || (r->place && r->jumps)) {
 		double here[3], there[3];
-		place_at(d, x, y, here);
-		place_at(d, x + side * dx, y + side * dy, there);
+		eye_place(&d->eye, job_depth(d, x, y), x, y, here);
+		eye_place(&d->eye, job_depth(d, x + side * dx, y + side * dy), x + side * dx, y + side * dy, there);
 		for (int c = 0; c < 3; c++)
 			b->beside[down][c][i] = (float)(side * (there[c] - here[c]));
 	}
@@ -130,9 +124,11 @@ static void load(const drawing *d, block *b, const pixel *pixels, int n, int y0,
 		if (r->normal)
 			for (int c = 0; c < 3; c++)
 				b->normal[c][i] = pixel_at(&job->normal, x, y)[c];
+		if (r->looked)
+			eye_looks(&d->eye, b, i, job_depth(d, x, y), x, y);
 		if (r->place) {
 			double place[3];
-			place_at(d, x, y, place);
+			eye_place(&d->eye, job_depth(d, x, y), x, y, place);
 			for (int c = 0; c < 3; c++)
 				b->place[c][i] = (float)place[c];
 		}
@@ -233,6 +229,7 @@ static reads reads_of(const encre_program *p, const uint8_t *wanted)
 		r.place |= wanted[k] && !strcmp(name, "place");
 		r.normal |= wanted[k] && !strcmp(name, "normal");
 		r.beside |= wanted[k] && !strcmp(name, "beside");
+		r.looked |= wanted[k] && (!strcmp(name, "incoming") || !strcmp(name, "camera"));
 		r.jumps |= wanted[k] & JUMPS;
 	}
 	return r;
@@ -340,27 +337,6 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		draw_band(d, i * BAND, (i + 1) * BAND < d->height ? (i + 1) * BAND : d->height, thread);
 }
 
-/* A pixel's ray, in the world, grows with its place: right and down by so much. */
-static void aim(drawing *d)
-{
-	const double *v = d->job->view, *p = d->job->projection;
-	const encre_frame *f = &d->job->frame;
-	d->straight = p[14] == 0;
-	double sign = d->straight ? 1 : -p[14]; /* w is that times the depth */
-	double camera[4][3] = {
-		{2 * sign / (f->width * p[0]), 0, 0}, {0, -2 * sign / (f->height * p[5]), 0}, {0, 0, -1}, {0, 0, 0}};
-	double origin[2] = {d->straight ? (-1 - p[3]) / p[0] : (-sign + p[2]) / p[0],
-			    d->straight ? (1 - p[7]) / p[5] : (sign + p[6]) / p[5]};
-	for (int k = 0; k < 2; k++)
-		camera[d->straight ? 3 : 2][k] = origin[k];
-	for (int c = 0; c < 3; c++) {
-		double eye = -(v[c] * v[3] + v[4 + c] * v[7] + v[8 + c] * v[11]);
-		for (int k = 0; k < 4; k++)
-			d->inverse[3 * k + c] = v[c] * camera[k][0] + v[4 + c] * camera[k][1] +
-						v[8 + c] * camera[k][2] + (k == 3 ? eye : 0);
-	}
-}
-
 static void plan(drawing *d, int threads, arena *a)
 {
 	size_t n = (size_t)threads;
@@ -385,7 +361,7 @@ int32_t ISA(material_draw)(bands *pool, const encre_material_job *job)
 		d.most_registers = p->n_registers > d.most_registers ? p->n_registers : d.most_registers;
 		d.most_operations = p->n_operations > d.most_operations ? p->n_operations : d.most_operations;
 	}
-	aim(&d);
+	d.eye = eye_of(job);
 	arena a = {0};
 	plan(&d, bands_threads(pool), &a);
 	void *memory = arena_make(&a);

@@ -144,6 +144,20 @@ RUN(normal)
 		memcpy(out[c], b->normal[c], sizeof b->normal[c]);
 }
 
+RUN(incoming)
+{
+	(void)in, (void)o;
+	for (int c = 0; c < 3; c++)
+		memcpy(out[c], b->incoming[c], sizeof b->incoming[c]);
+}
+
+RUN(camera)
+{
+	(void)in, (void)o;
+	for (int c = 0; c < 5; c++)
+		memcpy(out[c], b->camera[c], sizeof b->camera[c]);
+}
+
 RUN(beside)
 {
 	(void)in, (void)o;

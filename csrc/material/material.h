@@ -32,7 +32,8 @@ typedef struct block {
 	float right[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK]; /* by how much it grows from a pixel to the next */
 	float down[ENCRE_MAX_CHANNELS][MATERIAL_BLOCK];
 	float place[3][MATERIAL_BLOCK], normal[3][MATERIAL_BLOCK];
-	float beside[2][3][MATERIAL_BLOCK]; /* by how much the place grows, right and down */
+	float beside[2][3][MATERIAL_BLOCK];                           /* by how much the place grows, right and down */
+	float incoming[3][MATERIAL_BLOCK], camera[5][MATERIAL_BLOCK]; /* as operations.rows.h has them */
 	int32_t thing[MATERIAL_BLOCK];
 } block;
 

@@ -18,12 +18,16 @@
  * the first of two: whole octaves, and the share of the next; of voronoi and its like, how lengths are measured (0:
  * Euclidean, 1: Manhattan, 2: Chebychev), and the sum of 1 where the third coordinate does not count and 2 where chances
  * are PCG's (Blender 5), not Jenkins'. These take a place, how random the points are and how smooth, and give a
- * distance, a colour and a point. beside is by how much the place grows to the pixels right and down, for bumps. No
- * guard: included once per use, which defines EACH and OPERATION. */
+ * distance, a colour and a point. beside is by how much the place grows to the pixels right and down, for bumps.
+ * incoming is the unit vector to where the place is looked at from, camera the place as the camera has it (right, up,
+ * ahead) and in the frame (0 to 1, from the left and from below). No guard: included once per use, which defines EACH
+ * and OPERATION. */
 OPERATION(constant, 0, 1, 0, same)
 OPERATION(channel, 0, 1, 0, channel)
 OPERATION(place, 0, 3, 0, place)
 OPERATION(normal, 0, 3, 0, same)
+OPERATION(incoming, 0, 3, 0, same)
+OPERATION(camera, 0, 5, 0, same)
 OPERATION(thing, 0, 1, 0, same)
 EACH(add, 2, a + b, 0, da + db)
 EACH(subtract, 2, a - b, 0, da + db)
@@ -42,6 +46,7 @@ EACH(sine, 1, pixel_sin(min(max(a, -1e4f), 1e4f)), 0, da)
 EACH(cosine, 1, pixel_cos(min(max(a, -1e4f), 1e4f)), 0, da)
 EACH(angle, 2, pixel_atan2(far_from_nothing(a), far_from_nothing(b)), 0, da + db > 0 ? INFINITY : 0)
 EACH(power, 2, signed_power(bounded(a), bounded(b)), 0, da + db > 0 ? INFINITY : 0)
+EACH(logarithm, 1, a > 0 ? pixel_log(bounded(a)) : 0, 0, da > 0 ? INFINITY : 0)
 OPERATION(footprint, 0, 4, 0, same)
 OPERATION(texture, 6, 4, 0, unknown)
 OPERATION(ramp, 1, 4, 0, unknown)

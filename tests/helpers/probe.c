@@ -12,6 +12,7 @@
 PROBE(cbrt, pixel_cbrt(x[i]))
 PROBE(srgb, srgb_encode(x[i]))
 PROBE(exp, pixel_exp(x[i]))
+PROBE(log, pixel_log(x[i]))
 PROBE(pow, pixel_pow(x[i], y[i]))
 PROBE(atan2, pixel_atan2(x[i], y[i]))
 PROBE(sin, pixel_sin(x[i]))

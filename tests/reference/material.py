@@ -29,12 +29,12 @@ def mean(program, names, pixel, *rest):
 
 def run(program, names, pixel, constants, textures, things):
     """The registers that a program leaves. names: of the operations, by their codes; pixel: a namespace with `channel`,
-    `right`, `down`, `place`, `beside`, `normal` and `thing`."""
+    `right`, `down`, `place`, `beside`, `normal`, `incoming`, `camera` and `thing`."""
     reg = np.zeros(program.registers)
     for code, out, *more in program.operations:
         inputs, data = more[:8], more[8:]
         name = names[code]
-        if name in ("constant", "channel", "thing", "place", "beside", "normal", "footprint"):
+        if name in ("constant", "channel", "thing", "place", "beside", "normal", "footprint", "incoming", "camera"):
             values = _given(name, data, pixel, constants, things)
         elif name == "texture":
             values = texture(textures[data[0]], *(reg[k] for k in inputs[:6]))
@@ -292,7 +292,8 @@ OPERATIONS = {
     "floor": _each(lambda a: np.floor(a)), "root": _each(lambda a: np.sqrt(max(a, 0))),
     "clamp": _each(lambda a: np.clip(a, 0, 1)), "sine": _each(lambda a: np.sin(a)),
     "cosine": _each(lambda a: np.cos(a)),
-    "angle": _each(lambda a, b: np.arctan2(a, b)), "power": _each(_power), "ramp": _ramp,
+    "angle": _each(lambda a, b: np.arctan2(a, b)), "power": _each(_power),
+    "logarithm": _each(lambda a: np.log(a) if a > 0 else 0), "ramp": _ramp,
     "steps": lambda constants, data, value, *_: (lambda stops, k: stops[k, 1:])(*_stops(constants, data, value)),
     "curve": _curve, "to_hsv": _to_hsv, "from_hsv": _from_hsv, "checker": _checker, "brick": _brick, "noise": _noise,
     "voronoi": _voronoi(0), "voronoi_second": _voronoi(1), "voronoi_smooth": _voronoi_smooth,

@@ -93,6 +93,19 @@ def beside(given, x, y, place, bumps):
     return grown
 
 
+def towards(view, projection, place):
+    """The unit vector to where a place is looked at from."""
+    eye = np.linalg.inv(view)
+    way = eye[:3, 3] - place if projection[3, 2] else eye[:3, 2]
+    return way / np.linalg.norm(way)
+
+
+def seen(view, frame, place, x, y):
+    """A place as the camera has it: right, up, ahead; and in the frame."""
+    right, up, back = view[:3, :3] @ place + view[:3, 3]
+    return [right, up, -back, (frame.x + x + 0.5) / frame.width, 1 - (frame.y + y + 0.5) / frame.height]
+
+
 def expected(made, given, view, projection, frame):
     height, width = given["object"].shape
     out = np.zeros((height, width, abi.RESULTS))
@@ -106,7 +119,9 @@ def expected(made, given, view, projection, frame):
         pixel = SimpleNamespace(channel=given["attributes"][y, x].astype(float), right=step(given, x, y, 1, 0, bumps),
                                 down=step(given, x, y, 0, 1, bumps), normal=given["normal"][y, x].astype(float),
                                 thing=int(given["object"][y, x]), place=place(x, y),
-                                beside=beside(given, x, y, place, bumps))
+                                beside=beside(given, x, y, place, bumps),
+                                incoming=towards(view, projection, place(x, y)),
+                                camera=seen(view, frame, place(x, y), x, y))
         out[y, x] = mean(used, NAMES, pixel, np.asarray(made.constants, float), made.textures, made.things)
     least = np.zeros(abi.RESULTS)
     least[17:20] = -np.inf  # normals
@@ -173,8 +188,8 @@ def test_bricks_of_any_kind(seed):
 SLOPES = {  # on a plane of which a pixel is a small part
     "add": (0, 1), "subtract": (0, 1), "multiply": (1, 3), "divide": (0, 3), "minimum": (0, 1), "maximum": (0, 1),
     "mix": (0, 1, 2), "absolute": (0,), "root": (0,), "clamp": (0,), "sine": (0,), "cosine": (0,), "angle": (0, 1),
-    "power": (0, 3), "noise": (0, 1, 2, 3), "ramp": (0,), "floor": (0,), "checker": (0, 1, 2), "brick": (0, 1),
-    "steps": (0,), "place": ()}
+    "power": (0, 3), "logarithm": (0,), "noise": (0, 1, 2, 3), "ramp": (0,), "floor": (0,),
+    "checker": (0, 1, 2), "brick": (0, 1), "steps": (0,), "place": ()}
 
 
 @pytest.mark.parametrize(("name", "last"), [*((name, "less") for name in SLOPES), ("add", "greater"), ("add", "floor"),

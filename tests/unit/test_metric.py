@@ -72,6 +72,8 @@ SMALL_TO_1 = (10 ** RNG.uniform(-8, 0, N)).astype(np.float32)
     ("srgb", UNIT, UNIT, lambda x, y: reference.encode(x), 5.5),
     ("srgb", UNIT / 128, UNIT, lambda x, y: reference.encode(x), 5.5),
     ("exp", 87 * SIGNED, UNIT, lambda x, y: np.exp(x), 1.25),
+    ("log", WIDE, UNIT, lambda x, y: np.log(x), 1.25),
+    ("log", 0.75 + 0.6 * UNIT, UNIT, lambda x, y: np.log(x), 1.25),
     ("pow", UNIT, 6 * SMALL_TO_1, lambda x, y: x**y, 1.25),
     ("pow", SMALL_TO_1, 6 * UNIT, lambda x, y: x**y, 1.25),
     ("pow", WIDE, UNIT, lambda x, y: x**y, 1.25),

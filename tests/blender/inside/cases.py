@@ -35,11 +35,12 @@ import slotted  # noqa: E402
 import staged  # noqa: E402
 import supersampling  # noqa: E402
 import surfaces  # noqa: E402
+import swatches  # noqa: E402
 import unusual  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
                                   keeping, surfaces, lids, lit, painting, patterns, quick, anchors, distances, slotted,
-                                  staged, bumps, unusual, kinds, filters)
+                                  staged, bumps, unusual, kinds, filters, swatches)
          for name, case in vars(topic).items()}
 
 

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shaders -> what a surface looks like: a part of nodes.Compiler."""
+
+from dataclasses import dataclass
+
+from .inputs import Inputs
+
+
+@dataclass
+class Surface:
+    """Colours by threes, alpha and roughness, of numbers and registers. Where something shows through, colours are
+    those of the share that does not."""
+
+    color: tuple = (0.0, 0.0, 0.0)
+    gloss: tuple = (0.0, 0.0, 0.0)
+    emission: tuple = (0.0, 0.0, 0.0)
+    alpha: object = 1.0
+    roughness: object = 1.0
+    shine: tuple = (0.0, 0.0, 0.0)   # of highlights, where they are looked at from above
+    shine_roughness: object = 0.0
+    coat: object = 0.0               # likewise, of what lies above it
+    coat_roughness: object = 0.0
+    turned: tuple = (0.0, 0.0, 0.0)  # where light takes it to face; 0: where the mesh does
+    holdout: object = 0.0            # the share that is a hole in the picture
+
+
+class Shaders(Inputs):
+    """A Surface of each output, by names."""
+
+    def _BsdfDiffuse(self, node):
+        return {"BSDF": Surface(self.three(node.inputs["Color"]))}
+
+    _BsdfToon = _BsdfTranslucent = _BsdfSheen = _BsdfVelvet = _BsdfHair = _BsdfHairPrincipled = _BsdfDiffuse
+
+    def _SubsurfaceScattering(self, node):
+        return {"BSSRDF": Surface(self.three(node.inputs["Color"]))}
+
+    def _BsdfGlossy(self, node):
+        color, rough = self.three(node.inputs["Color"]), self._roughness(node)
+        return {"BSDF": Surface(gloss=color, roughness=rough, shine=color, shine_roughness=rough)}
+
+    def _roughness(self, node):
+        return self.build.clamp(self.number(node.inputs["Roughness"]))
+
+    _BsdfAnisotropic = _BsdfGlossy  # what Glossy is called since 4.0
+
+    def _BsdfMetallic(self, node):
+        color = self.three(node.inputs["Base Color"])
+        if node.fresnel_type != "F82":
+            self.lose(node.name)
+        rough = self._roughness(node)
+        return {"BSDF": Surface(gloss=color, roughness=rough, shine=color, shine_roughness=rough)}
+
+    def _BsdfGlass(self, node):
+        self.through = True
+        color, rough = self.three(node.inputs["Color"]), self._roughness(node)
+        level = self._mirrors(self.number(node.inputs["IOR"]))
+        return {"BSDF": Surface(gloss=color, roughness=rough, shine_roughness=rough,
+                                shine=tuple(self.build.multiply(c, level) for c in color))}
+
+    def _BsdfRefraction(self, node):
+        self.through = True
+        return {"BSDF": Surface(gloss=self.three(node.inputs["Color"]), roughness=self._roughness(node))}
+
+    def _mirrors(self, ior):
+        """The share of light that a smooth surface mirrors which it meets straight from above."""
+        build = self.build
+        root = build.divide(build.subtract(ior, 1.0), build.add(ior, 1.0))
+        return build.multiply(root, root)
+
+    def _BsdfTransparent(self, node):
+        color = self.three(node.inputs["Color"])
+        most = self.build.maximum(color[0], self.build.maximum(color[1], color[2]))
+        return {"BSDF": Surface(alpha=self.build.clamp(self.build.subtract(1.0, most)))}
+
+    def _Holdout(self, node):
+        return {"Holdout": Surface(holdout=1.0)}
+
+    def _Emission(self, node):
+        strength = self.number(node.inputs["Strength"])
+        glow = Surface(emission=tuple(self.build.multiply(c, strength) for c in self.three(node.inputs["Color"])))
+        return {"Emission": glow, "Background": glow}
+
+    _Background = _Emission
+
+    def _BsdfRayPortal(self, node):
+        self.lose(node.name)
+        return {"BSDF": Surface(alpha=0.0)}
+
+    def _EeveeSpecular(self, node):
+        """EEVEE's own."""
+        build, inputs = self.build, node.inputs
+        alpha = build.clamp(build.subtract(1.0, self.number(inputs["Transparency"])))
+        base, shine, glow = (self.three(inputs[name]) for name in ("Base Color", "Specular", "Emissive Color"))
+        rough = self._roughness(node)
+        return {"BSDF": Surface(*(tuple(build.multiply(c, alpha) for c in color) for color in (base, (0.0,) * 3, glow)),
+                                alpha, rough, tuple(build.multiply(c, alpha) for c in shine), rough)}
+
+    def _ShaderToRGB(self, node):
+        """EEVEE's own: what light makes of a surface, as a colour. Cycles knows it not."""
+        build, surface = self.build, self.shader(node.inputs["Shader"])
+        light = self._light()
+        lit = self._each(lambda matt, gloss, by: build.multiply(build.add(matt, gloss), by),
+                         surface.color, surface.gloss, light)
+        return {"Color": self._each(build.add, lit, surface.emission), "Alpha": surface.alpha}
+
+    def _BsdfPrincipled(self, node):
+        build, inputs = self.build, node.inputs
+
+        def named(*names):
+            return next(inputs[name] for name in names if name in inputs)
+
+        base, metal = self.three(inputs["Base Color"]), build.clamp(self.number(inputs["Metallic"]))
+        through = build.clamp(self.number(named("Transmission Weight", "Transmission")))
+        alpha = build.clamp(self.number(inputs["Alpha"]))
+        self.through |= through != 0
+        matt = build.multiply(alpha, build.multiply(build.subtract(1.0, metal), build.subtract(1.0, through)))
+        other = build.subtract(alpha, matt)
+        strength = build.multiply(self.number(inputs["Emission Strength"]), alpha)
+        glow = (0.0,) * 3 if strength == 0 else self.three(named("Emission Color", "Emission"))
+        rough = self._roughness(node)
+        if "Specular IOR Level" in inputs:  # since 4.0
+            level = build.multiply(self._mirrors(self.number(inputs["IOR"])),
+                                   build.multiply(2.0, self.number(inputs["Specular IOR Level"])))
+            shine = tuple(build.multiply(c, level) for c in self.three(inputs["Specular Tint"]))
+            coat = build.multiply(self.number(inputs["Coat Weight"]), self._mirrors(self.number(inputs["Coat IOR"])))
+        else:
+            shine = (build.multiply(0.08, self.number(inputs["Specular"])),) * 3
+            coat = build.multiply(0.01, self.number(inputs["Clearcoat"]))  # a quarter of what glass has
+        return {"BSDF": Surface(tuple(build.multiply(c, matt) for c in base),
+                                tuple(build.multiply(c, other) for c in base),
+                                tuple(build.multiply(c, strength) for c in glow), alpha, rough,
+                                tuple(build.multiply(alpha, c) for c in self._mixed(shine, base, metal)), rough,
+                                build.multiply(alpha, coat),
+                                build.clamp(self.number(named("Coat Roughness", "Clearcoat Roughness"))))}
+
+    def _MixShader(self, node):
+        share = self.build.clamp(self.number(node.inputs[0]))
+        if share in (0.0, 1.0):
+            return {"Shader": self.shader(node.inputs[1 + int(share)])}
+        a, b = (self.shader(node.inputs[k]) for k in (1, 2))
+        mix = self.build.mix
+        return {"Shader": Surface(*(self._mixed(getattr(a, name), getattr(b, name), share)
+                                    for name in ("color", "gloss", "emission")),
+                                  *(mix(getattr(a, name), getattr(b, name), share) for name in ("alpha", "roughness")),
+                                  self._mixed(a.shine, b.shine, share), self._of_both(a, b, "shine", share),
+                                  mix(a.coat, b.coat, share), self._of_both(a, b, "coat", share),
+                                  self._turned(a, b, share), mix(a.holdout, b.holdout, share))}
+
+    def _turned(self, a, b, share=0.5):
+        """Where both shaders together face: those that show nothing do not count, nor what only shines beside what has
+        a colour, as light falls on that."""
+        none = (0.0,) * 3
+        seen = [s.turned for s in (a, b) if s.color != none] or [
+            s.turned for s in (a, b) if any(part != none for part in (s.gloss, s.emission, s.shine))]
+        if len(set(seen)) < 2:
+            return seen[0] if seen else none
+        return self._mixed(*(self.build.run("normal") if way == none else way for way in seen), share)
+
+    def _of_both(self, a, b, what, share=0.5):
+        """How rough highlights of two shaders are: those that one of them has are as rough as its own."""
+        one, other = (getattr(surface, what + "_roughness") for surface in (a, b))
+        for surface, rough in ((a, other), (b, one)):
+            if getattr(surface, what) in (0.0, (0.0,) * 3):
+                return rough
+        return self.build.mix(one, other, share)
+
+    def _AddShader(self, node):
+        a, b = (self.shader(node.inputs[k]) for k in (0, 1))
+        add = self.build.add
+        return {"Shader": Surface(self._each(add, a.color, b.color), self._each(add, a.gloss, b.gloss),
+                                  self._each(add, a.emission, b.emission),
+                                  # Light that goes through one goes through both.
+                                  self.build.clamp(self.build.subtract(add(a.alpha, b.alpha), 1.0)),
+                                  self.build.minimum(a.roughness, b.roughness),
+                                  self._each(add, a.shine, b.shine), self._of_both(a, b, "shine"),
+                                  add(a.coat, b.coat), self._of_both(a, b, "coat"), self._turned(a, b),
+                                  self.build.clamp(add(a.holdout, b.holdout)))}

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials of any kind, by Encre alone: their colours are Cycles', or it is said which differ, and none of them ends
+the frame."""
+
+import numpy as np
+
+# What Encre draws another way: what is half clear is there or not, and what is unknown has a sentence.
+SAID = {"beside what is unknown", "fog"}
+
+
+def apart(theirs, ours, alpha, there):
+    """How far two colours are apart, of what shows; infinite: one shows and the other does not."""
+    if there != (alpha >= 0.5):
+        return np.inf
+    return np.abs(np.array(theirs) / max(alpha, 0.5) - ours).max() if there else 0.0
+
+
+def squares(shot, first):
+    facts = list(shot.facts.items())
+    return {name: found for name, (found,) in facts[[name for name, _ in facts].index(first):]}
+
+
+def test_any_output_may_be_linked_to_any_input(render):
+    found = squares(render("links"), "colour to surface")
+    assert len(found) > 40
+    wrong = {name: (theirs, ours) for name, (theirs, ours, alpha, there, _) in found.items()
+             if apart(theirs, ours, alpha, there) > 0.02}
+    if wrong.keys() == {"INT8"}:  # Cycles 3.4 knows none
+        assert wrong.pop("INT8")[0] == [0, 0, 0]
+    assert not wrong
+    assert {name for name, (*_, said) in found.items() if said} == SAID
+
+
+def test_who_places_a_thing_hides_it_as_it_does_itself(render):
+    shot = render("placed")
+    (alpha,), index = shot.facts["alpha"], shot.passes("ours")["Encre Index"][..., 0]
+    seen = {label: bool(index[8 * (k // 8) + 4, 8 * (k % 8) + 4] > 0) for k, label in enumerate(alpha)}
+    assert seen == {label: there >= 0.5 for label, there in alpha.items()}
+    assert len(seen) == 35 and 10 < sum(seen.values()) < 25
+
+
+def test_pictures_have_the_alpha_and_the_space_of_colours_that_cycles_gives_them(render):
+    found = squares(render("decals"), "STRAIGHT False 0")
+    assert len(found) >= 24
+    wrong = {name: (theirs, ours) for name, (theirs, ours, alpha, there, said) in found.items()
+             if apart(theirs, ours, alpha, there) >= 0.005 * max(1, *theirs) or said}
+    assert not wrong
+    assert found["STRAIGHT False 0"][1] == [0, 0, 0], "under what is clear nothing is"
+
+
+def test_no_tree_of_nodes_ends_the_frame(render):
+    facts = render("any_trees").facts
+    assert facts["wrong"] == [{}] and facts["kinds"][0] > 90
