@@ -15,8 +15,8 @@ thread and beside one. bake draws into textures; panels shows it all, with thumb
 languages; pens has what artists call theirs.
 
 wanted asks a view layer for passes, known is what of one is known before. fast reads a scene once and draws its layers
-from any side: materials compiles node trees, by nodes, patterns and values, with trees to follow links and attributes
-for what meshes have; hair makes triangles of strands, cutouts tells where surfaces are solid, worlds and volumes what
+from any side: materials compiles node trees, by nodes, shaders, inputs, patterns, values and sums, with trees to follow
+links, attributes for what meshes have, pictures and their spaces of colours; hair makes triangles of strands, cutouts tells where surfaces are solid, worlds and volumes what
 is around, mirrors what flat ones show, filters what a view layer leaves out, unseen says what Encre does.
 lamps is the drawn light's scene, meter how much is full light, subject how far away the picture's subject stands.
 painting makes and fills attributes of controls, control_nodes does so by Geometry Nodes, strokes turns drawings into

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..pen import background, denoise, layers, library, overlay, saved, supersample, through
+from ..pen import background, denoise, haze, layers, library, overlay, saved, supersample, through
 from . import memory, versions, volumes
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
@@ -88,11 +88,22 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
     instance = maps["object"].reshape(index.shape)
     caught = objects.catchers[instance] & (objects.owners[instance] == index) if objects.catchers.any() else None
     del instance
-    clear, depth = maps.pop("through", None), None
+    clear, foggy, depth, decided = maps.pop("through", None), maps.pop("haze", None), None, ()
     given = index
+    size = layer.factor * layer.place.width, layer.factor * layer.place.height
+    fog = volumes.window(layer.volumes, view, projection, frame, size)
+    if foggy and fog:
+        known = haze.Haze(foggy["object"].astype(np.intp), foggy["depth"], foggy["shading"],
+                          np.s_[fog.y:fog.y + fog.height, fog.x:fog.x + fog.width])
+        index, depth = haze.settled(index, passes["Depth"][..., 0], known, objects.owners)
+        passes = dict(passes)
+        haze.cleared(passes, known)
+        for one in ("Normal", "DiffCol"):
+            write(versions.pass_name(one), passes[one])  # as drawing the file again reads it
+        del known
     if clear:
-        index, depth, decided = through.settled(index, passes["Depth"][..., 0], clear, maps["object"],
-                                                objects.owners)
+        index, depth, decided = through.settled(index, passes["Depth"][..., 0] if depth is None else depth, clear,
+                                                maps["object"], objects.owners)
         del clear
     known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays, objects.displaced)
     if layer.user_indices is not None:
@@ -102,15 +113,14 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
     if depth is not None:
         known["depth"] = depth[..., None]
         write(versions.pass_name("Depth"), known["depth"])  # as drawing the file again reads it
-        if "creases" in known:
+        if "creases" in known and len(decided):
             known["creases"].reshape(-1, 5)[decided, 4] = 0  # normals are noise there
         del depth, decided
     if "Denoising Depth" in passes:
         known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
     illuminate = layer.light and (lambda depth, normal: layer.light.draw(
         depth, normal, view, projection, frame, layer.threads, go_on))
-    size = layer.factor * layer.place.width, layer.factor * layer.place.height
-    denoiser = _denoiser(layer, go_on, hasty, volumes.window(layer.volumes, view, projection, frame, size), clean)
+    denoiser = _denoiser(layer, go_on, hasty, fog if layer.denoise_other else None, clean)
     if kept:
         denoiser = denoiser and (kept.nearest if at_once else
                                  functools.partial(kept.once, settings.light_scale, denoiser))

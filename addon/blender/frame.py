@@ -201,6 +201,7 @@ class Frames:
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None
+        boxes = volumes.corners(depsgraph) if denoise_other or (objects and settings.wants_edges) else ()
         about = subject.read(depsgraph, camera, light)
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
@@ -220,6 +221,8 @@ class Frames:
                 maps = overlay.compact(maps)
             if clear:
                 maps["through"] = clear
+            if len(boxes) and objects and settings.wants_edges:
+                maps["haze"] = raster(objects.meshes if solid is None else solid, ["object", "depth", "shading"])
             views[name] = eye, maps, view, projection
         if objects:
             objects.meshes.clear()
@@ -227,7 +230,7 @@ class Frames:
             user_indices = None
         samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
         layer = ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
-                          volumes.corners(depsgraph) if denoise_other else (), camera.data.clip_start, frame,
+                          boxes, camera.data.clip_start, frame,
                           own, place, own if render.use_border and not render.use_crop_to_border else None,
                           threads, samples, asked, keeps, pictures,
                           wanted.beside(depsgraph.scene_eval, pictures, own != place),

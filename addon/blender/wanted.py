@@ -82,7 +82,8 @@ _LONGEST = 63  # bytes of a channel's name in a file of Blender's, who cuts what
 
 def refuse_long_names(scene):
     """EncreError: a view layer's name is too long for the passes that its file is to keep, which nothing could read."""
-    if scene.render.image_settings.file_format != "OPEN_EXR_MULTILAYER" or not keeps(scene):
+    if (scene.render.image_settings.file_format != "OPEN_EXR_MULTILAYER" or not hasattr(scene, "encre")
+            or not keeps(scene)):  # without the library there are no settings
         return
     eyes = [view.name for view in scene.render.views if view.use] if scene.render.use_multiview else []
     eye = max((len(name.encode()) + 1 for name in eyes), default=0)

@@ -16,6 +16,10 @@ def test_refused(render):
         assert not shot.wrote(name.replace(" ", "-")), name
     assert len(shot.facts["flat camera"]) == 2 and all("scale of 0" in said for said in shot.facts["flat camera"])
     assert not shot.wrote("flat-camera")
+    names = shot.facts["long name"]
+    assert names[0::2] == [None, None] and all("39 bytes" in said and "room for 38" in said for said in names[1::2])
+    for source in ("CYCLES", "ENCRE"):
+        assert shot.wrote(f"{source} 12") and not shot.wrote(f"{source} 13")
     assert "Traceback" not in shot.output
     assert shot.facts["panoramic off"] == [None] and shot.wrote("panoramic-off")
 

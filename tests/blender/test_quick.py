@@ -174,7 +174,7 @@ def test_hair_is_where_cycles_has_it(render):
 
 def test_what_only_cycles_can_show_is_said_in_one_line(render):
     shot = render("what_only_cycles_can_show")
-    assert shot.output.count("in their viewport colour, as only Cycles can show them: ") == 1
+    assert shot.output.count("materials that show more in Cycles: ") == 1
     for words in ("Red (Wavelength)", "Green (Image Texture: a sequence of images)", "Grey (Image Texture: a movie)"):
         assert words in shot.output
     assert "show its node Environment Texture: a sequence of images" in shot.output

@@ -39,6 +39,26 @@ def test_who_places_a_thing_hides_it_as_it_does_itself(render):
     assert len(seen) == 35 and 10 < sum(seen.values()) < 25
 
 
+def test_what_nodes_leave_beside_meshes_ends_no_frame(render):
+    shot = render("beside")
+    assert shot.facts["failed"] == [None] * 3 and "Traceback" not in shot.output
+    whole, without = (shot.passes(name)["Encre Index"] > 0 for name in ("whole", "without"))
+    assert whole.any() and (whole == without).all()
+
+
+def test_toon_materials_show_their_ramp_of_the_light(render):
+    shot = render("toon")
+    assert shot.facts["failed"] == [None] * 2
+    toon, matt = shot.passes("toon"), shot.passes("matt")
+    ball = toon["Emit"].any(2)
+    lit = matt["DiffDir"][ball].mean(1)
+    want = np.where((lit < 0.3)[:, None], (0.5, 0.1, 0.1), (1, 0.35, 0.25))
+    near = np.abs(lit - 0.3) < 0.05
+    assert ball.sum() > 200 and 0.1 < (lit < 0.3).mean() < 0.9
+    away = np.abs(toon["Emit"][ball] - want)[~near].max(1)
+    assert (away < 1e-3).mean() > 0.97  # the ramp's end is smooth
+
+
 def test_pictures_have_the_alpha_and_the_space_of_colours_that_cycles_gives_them(render):
     found = squares(render("decals"), "STRAIGHT False 0")
     assert len(found) >= 24

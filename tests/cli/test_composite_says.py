@@ -18,6 +18,15 @@ def test_composite_counts_what_is_not_finite(run, tmp_path, scene):
     assert status == 0 and "warning" in err and " 5 values" in err
 
 
+def test_composite_says_how_many_depths_are_negative(run, tmp_path, scene):
+    pictures = exr.passes(scene)
+    pictures["Depth"] = pictures["Depth"].copy()
+    pictures["Depth"][3, :5] = -2
+    path = exr.write(tmp_path / "in.exr", pictures)
+    status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+    assert status == 0 and "warning" in err and "the depth of 5 pixels is negative" in err
+
+
 def test_composite_says_what_metadata_are_missing(run, tmp_path, scene):
     pictures = {**exr.passes(scene), **exr.saved(scene)}
     for missing in metadata.PARAMS, metadata.FRAME, metadata.CAMERA:

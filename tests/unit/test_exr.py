@@ -83,6 +83,18 @@ def test_what_it_does_not_read_is_said(tmp_path):
         Exr(str(tmp_path / "none.exr"))
 
 
+def test_what_is_not_there_is_refused(tmp_path):
+    """A channel that no part has, and rows of which the file holds others twice."""
+    path, picture = tmp_path / "a.exr", np.random.default_rng(1).random((40, 30, 1), np.float32)
+    write(path, [spec(30, 40, ("Z",), "zip")], [picture])
+    with pytest.raises(EncreError, match=r"no channel A\.R"):
+        Exr(str(path)).read(["Z", "A.R"])
+    found = Exr(str(path))
+    found._parts[0].chunks[1] = found._parts[0].chunks[0]
+    with pytest.raises(EncreError, match="can't be read to its end"):
+        found.read(["Z"])
+
+
 def test_damaged_files_are_refused(tmp_path):
     """Each ends with a sentence, or is read as something."""
     path, random = tmp_path / "a.exr", np.random.default_rng(3)

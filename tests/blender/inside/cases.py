@@ -15,6 +15,7 @@ import studio  # noqa: E402
 
 studio.register()  # the package that is tried; a Blender by itself knows none, or another
 import anchors  # noqa: E402
+import anytrees  # noqa: E402
 import baking  # noqa: E402
 import bumps  # noqa: E402
 import cycles_light  # noqa: E402
@@ -40,7 +41,8 @@ import unusual  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
                                   keeping, surfaces, lids, lit, painting, patterns, quick, anchors, distances, slotted,
-                                  staged, bumps, unusual, kinds, filters, swatches)
+                                  staged, bumps, unusual, kinds, filters, swatches,
+                                  anytrees)
          for name, case in vars(topic).items()}
 
 

@@ -43,6 +43,13 @@ def refused(out):
     scene.camera = None
     fact("no camera", shoot(out, "no-camera"))
     scene.camera = cam
+    layer = scene.view_layers[0]
+    for source in ("CYCLES", "ENCRE"):
+        scene.encre.layer_source = source
+        for letters in (12, 13):  # of three bytes each
+            layer.name = "\u80cc" * letters
+            fact("long name", shoot(out, f"{source} {letters}"))
+    scene.encre.layer_source, layer.name = "CYCLES", "ViewLayer"
     level = scene.encre.shade_levels
     for threshold in (None, 0.5, 0.51):
         row = level.add()

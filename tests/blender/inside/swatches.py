@@ -2,11 +2,10 @@
 """Squares of as many materials, by Cycles and by Encre alone, and how far their colours without light are apart."""
 
 import math
-import random
 
 import bpy
 import numpy as np
-from encre.blender import cutouts, fast, materials, meshes, mirrors, pictures, properties, versions
+from encre.blender import fast, properties, versions
 from encre.pen import exr, layers
 from encre.pen.job import Frame
 from studio import fact, shoot, stage
@@ -178,7 +177,7 @@ def _clear(tree):
     return add(tree, "BsdfTransparent").outputs[0]
 
 
-def _looped(tree):
+def looped(tree):
     node = add(tree, "NodeReroute")
     tree.links.new(node.outputs[0], node.inputs[0])
     return node.outputs[0]
@@ -349,6 +348,63 @@ def placed(out):
     shoot(out, "ours")
 
 
+def beside(out):
+    """A ball whose nodes leave curves, points, a volume and instances of them beside it, by both."""
+    scene = stage(64, 36, 1, ground=False)
+    tree = bpy.data.node_groups.new("Beside", "GeometryNodeTree")
+    versions.group_socket(tree, "Geometry", "Geometry")
+    versions.group_socket(tree, "Geometry", "Geometry", output=True)
+    new, link = (lambda kind: tree.nodes.new(kind)), tree.links.new
+    into, end, all_ = new("NodeGroupInput"), new("NodeGroupOutput"), new("GeometryNodeJoinGeometry")
+    curve, dots, cloud = (new(f"GeometryNode{kind}") for kind in ("CurvePrimitiveCircle", "MeshToPoints",
+                                                                   "MeshToVolume"))
+    for node in (dots, cloud):
+        link(into.outputs[0], node.inputs[0])
+    for made_ in (curve, dots, cloud):
+        many = new("GeometryNodeInstanceOnPoints")
+        link(dots.outputs[0], many.inputs[0])
+        link(made_.outputs[0], many.inputs["Instance"])
+        for each in (made_, many):
+            link(each.outputs[0], all_.inputs[0])
+    link(into.outputs[0], all_.inputs[0])
+    link(all_.outputs[0], end.inputs[0])
+    kinds = {"whole": tree, "without": None}
+    for name, group in kinds.items():
+        for obj in scene.objects:
+            if obj.type == "MESH":
+                obj.modifiers.clear()
+                if group:
+                    obj.modifiers.new("Beside", "NODES").node_group = group
+        scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
+        fact("failed", shoot(out, name))
+    scene.encre.layer_source = "CYCLES"
+    bpy.data.objects["Ball"].modifiers.new("Beside", "NODES").node_group = tree
+    fact("failed", shoot(out, "by cycles"))
+
+
+def toon(out):
+    """A ball whose colour is the light on it, cut in two by a ramp, as toon materials of EEVEE are."""
+    scene = stage(80, 45, 1, ground=False)
+
+    def make(tree, output):
+        matt, seen, ramp, glow = (add(tree, kind) for kind in ("BsdfDiffuse", "ShaderToRGB", "ValToRGB", "Emission"))
+        matt.inputs[0].default_value, ramp.color_ramp.interpolation = (1, 1, 1, 1), "CONSTANT"
+        for stop, at, color in zip(ramp.color_ramp.elements, (0, 0.3), ((0.5, 0.1, 0.1, 1), (1, 0.35, 0.25, 1)),
+                                   strict=True):
+            stop.position, stop.color = at, color
+        for one, other in ((matt, seen), (seen, ramp), (ramp, glow), (glow, output)):
+            tree.links.new(one.outputs[0], other.inputs[0])
+
+    ball = bpy.data.objects["Ball"]
+    ball.data.materials.clear()
+    ball.data.materials.append(made("Toon", make))
+    scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
+    fact("failed", shoot(out, "toon"))
+    ball.data.materials[0] = made("Matt", lambda tree, output: tree.links.new(
+        add(tree, "BsdfDiffuse").outputs[0], output.inputs["Surface"]))
+    fact("failed", shoot(out, "matt"))
+
+
 # Pictures
 
 def _png(out):
@@ -391,84 +447,3 @@ def decals(out):
         except TypeError:  # which this Blender has not
             continue
     compare(out, "decals", makes)
-
-
-# At random
-
-def _kinds():
-    tree, found = bpy.data.materials.new("Kinds"), []
-    tree.use_nodes = True
-    for name in sorted(dir(bpy.types)):
-        if name.startswith("ShaderNode") and not name.startswith(("ShaderNodeOutput", "ShaderNodeScript")):
-            try:
-                tree.node_tree.nodes.new(name)
-            except RuntimeError:
-                continue
-            found.append(name)
-    bpy.data.materials.remove(tree)
-    return [*found, "NodeReroute"]
-
-
-def _shaken(chance, node):
-    """A node whose modes and values are any."""
-    for what in node.bl_rna.properties:
-        if what.type == "ENUM" and not what.is_readonly and chance.random() < 0.5:
-            try:
-                setattr(node, what.identifier, chance.choice([item.identifier for item in what.enum_items]))
-            except TypeError:
-                continue
-    for socket in [*node.inputs, *(node.outputs if node.bl_idname in ("ShaderNodeRGB", "ShaderNodeValue") else ())]:
-        given = getattr(socket, "default_value", None)
-        if isinstance(given, float):
-            socket.default_value = chance.choice((0, 0.5, 1, chance.uniform(-2, 3)))
-        elif hasattr(given, "__len__") and not isinstance(given, str):
-            socket.default_value = [chance.uniform(0, 1) for _ in given]
-    node.mute = chance.random() < 0.08
-    return node
-
-
-def _random_tree(seed, kinds):
-    """A material of up to eight nodes, in a group some of them, with links between any."""
-    chance = random.Random(seed)
-
-    def fill(tree, nodes, count):
-        for _ in range(count):
-            nodes.append(_shaken(chance, tree.nodes.new(chance.choice(kinds))))
-        for _ in range(3 * len(nodes)):
-            one, other = chance.choice(nodes), chance.choice(nodes)
-            if len(one.outputs) and len(other.inputs):
-                link = tree.links.new(chance.choice(list(one.outputs)), chance.choice(list(other.inputs)))
-                link.is_muted = chance.random() < 0.04
-
-    def make(tree, output):
-        nodes = [output]
-        if chance.random() < 0.3 and hasattr(tree, "interface"):
-            group = bpy.data.node_groups.new("Group", "ShaderNodeTree")
-            for side in ("INPUT", "OUTPUT", "OUTPUT"):
-                kind = chance.choice(("Float", "Color", "Vector", "Shader"))
-                group.interface.new_socket("Any", in_out=side, socket_type=f"NodeSocket{kind}")
-            fill(group, [group.nodes.new(f"NodeGroup{side}") for side in ("Input", "Output")], 3)
-            nodes.append(add(tree, "Group", node_tree=group))
-        fill(tree, nodes, chance.randrange(1, 7))
-        outputs = [socket for node in nodes[1:] for socket in node.outputs]
-        if outputs:
-            tree.links.new(chance.choice(outputs), output.inputs["Surface"])
-    return make
-
-
-def any_trees(_out):
-    """Reads trees at random: what goes wrong, by number."""
-    empty()
-    kinds, kept, wrong = _kinds(), pictures.Images(), {}
-    for seed in range(-1, 300):  # of the first Cycles itself may end
-        block = made("Any", shown(_looped) if seed < 0 else _random_tree(seed, kinds))
-        try:
-            for read in (cutouts.of, mirrors.blurs, meshes._lets_through, meshes._displaces):
-                read(block)
-            looks = materials.read([block], kept)
-            wrong.update((seed, words) for words in looks.unknown.values() if words.startswith("reading it failed"))
-        except Exception as error:
-            wrong[seed] = repr(error)
-        bpy.data.materials.remove(block)
-    fact("wrong", wrong)
-    fact("kinds", len(kinds))
