@@ -89,11 +89,12 @@ def _plain(name):
     return re.sub(r"[^a-z0-9]", "", name.lower())
 
 
-def _layers(channels):
+def _layers(channels, view=""):
     """{plain name: [full channel name …]}."""
     found = {}
     for full in channels:
         name = full.rpartition(".")[0]
+        name = name.removesuffix(f".{view}") if view else name
         found.setdefault(_plain(name.rpartition(".")[2]), []).append(full)
     found.pop("", None)
     return found
@@ -112,9 +113,9 @@ def recognized(channels, metadata):
     return both[0] if len(both) == 1 else None
 
 
-def named(renderer, channels, there):
+def named(renderer, channels, there, view=""):
     """{pass: [full channel name …]} of what a renderer (None: any) has and is not among the passes `there`."""
-    layers, found = _layers(channels), {}
+    layers, found = _layers(channels, view), {}
     profile = PROFILES[renderer][2] if renderer else {}
     for name in dict.fromkeys((*profile, *_CLEAR)):
         classic = next((own for own, tinted in TINTED.items() if tinted == name), name)

@@ -13,7 +13,7 @@ from ..pen import saved, slim
 from ..pen.colour import LUMINANCE
 from ..pen.errors import EncreError, unknown
 from ..pen.settings import Settings
-from ..pen.stored import wanted
+from ..pen.stored import view_layers, wanted
 from . import mattes, renderers, sequence
 
 # What --layer may name: word -> classic pass name.
@@ -83,13 +83,21 @@ class Names:
         self.passes, self.called, self.renderer = dict(passes), {}, renderer
         for classic, name in asked.items():
             self._ask(exr, classic, name)
-        own = "Encre Source" in passes
-        if not own:
-            self.renderer = renderer or renderers.recognized(exr.own, exr.metadata)
-            for name, fulls in renderers.named(self.renderer, exr.own, self.passes).items():
+        near = self._near(exr, layer, view)
+        if "Encre Source" not in passes:
+            self.renderer = renderer or renderers.recognized(near, exr.metadata)
+            for name, fulls in renderers.named(self.renderer, near, self.passes, view).items():
                 self.passes[name] = fulls
                 self.called[name.removeprefix("Tinted ")] = fulls[0].rpartition(".")[0]
-        self.mattes = {} if "Encre Index" in passes else self._mattes(exr, layer, view, asked)
+        self.mattes = {} if "Encre Index" in passes else self._mattes(exr, near, view, asked)
+
+    def _near(self, exr, layer, view):
+        """The file's channels that may be this view's: not another view layer's that has a picture, or another eye's.
+        """
+        others = [f"{name}." for name, eyes in view_layers(exr.own, exr.views).items()
+                  if name not in ("", layer) and any({"Combined", "Encre Source"} & set(own) for own in eyes.values())]
+        eyes = {*exr.views} - {view}
+        return [full for full in exr.own if not full.startswith(tuple(others)) and not eyes & {*full.split(".")[:-1]}]
 
     def _ask(self, exr, classic, name):
         path, channel = in_file(name)
@@ -110,9 +118,8 @@ class Names:
             self.passes[classic] = renderers.one_of(found) if classic in renderers.SINGLE else found
             self.called[classic] = name
 
-    def _mattes(self, exr, layer, view, asked):
-        own = [full for full in exr.own if not layer or full.startswith(f"{layer}.")]
-        there = mattes.found(own, exr.metadata, view) or mattes.found(exr.own, exr.metadata, view)
+    def _mattes(self, exr, near, view, asked):
+        there = mattes.found(near, exr.metadata, view)
         for index in _INDICES:
             if index in asked and index not in self.passes:
                 chosen = [full for full in exr.own if re.match(re.escape(asked[index]) + r"\d\d\.", full)]
