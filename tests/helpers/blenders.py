@@ -13,6 +13,7 @@ import threading
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import forks
 import numpy as np
 import pytest
 from encre.cli import multilayer
@@ -171,8 +172,11 @@ def encre(blender, folder, *args):
         if not (site / "encre").exists():
             (site / "encre").symlink_to(Path(layers.__file__).parents[1])
         environment["PYTHONPATH"] = str(site)
-    done = subprocess.run([python, "-m", "encre", *map(str, args), *options], capture_output=True, text=True,
-                          timeout=600, env=environment, stdin=subprocess.DEVNULL)
+    if blender == "bpy" and forks.POSSIBLE:
+        done = forks.run([*args, *options])
+    else:
+        done = subprocess.run([python, "-m", "encre", *map(str, args), *options], capture_output=True, text=True,
+                              timeout=600, env=environment, stdin=subprocess.DEVNULL)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stderr
 

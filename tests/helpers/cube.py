@@ -4,6 +4,8 @@
 import subprocess
 import sys
 
+import forks
+
 CUBE = '''
 import bpy
 scene = bpy.context.scene
@@ -35,8 +37,11 @@ def script(tmp_path, more):
     return path
 
 
-def encre(*args, python=sys.executable, **options):
-    command = [python, "-m", "encre", *map(str, args)]
+def encre(*args, python=None, **options):
+    """What came of `encre args`. python: one of another place, which starts anew."""
+    if python is None and forks.POSSIBLE:
+        return forks.run(args, **options)
+    command = [python or sys.executable, "-m", "encre", *map(str, args)]
     return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
 
 
