@@ -7,6 +7,7 @@ import os
 import signal
 from pathlib import Path
 
+import failed
 import pytest
 
 SKIPS = Path(__file__).with_name("skips.txt")
@@ -35,6 +36,21 @@ def data():
     if not DATA.is_dir():
         pytest.skip("needs ../shared/data")
     return DATA
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item, call):
+    """The pictures that a failed test compared, and where they are in its last lines."""
+    outcome = yield
+    if call.excinfo is None or call.excinfo.errisinstance(pytest.skip.Exception):
+        return
+    names = {}
+    for entry in call.excinfo.traceback:
+        if Path(str(entry.path)).is_relative_to(Path(__file__).parent):
+            names.update(entry.frame.f_locals)
+    with contextlib.suppress(Exception):  # the test's own words count
+        if words := failed.leave(item.nodeid, names):
+            outcome.get_result().sections.append(("what to look at", words))
 
 
 def pytest_terminal_summary(terminalreporter, config):

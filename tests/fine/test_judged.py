@@ -21,6 +21,14 @@ def agrees(results, detector, number=0):
     assert {promise: float(row[detector]) for promise, row in said.items()} == pytest.approx(found, rel=0, abs=1e-3)
 
 
+@pytest.mark.parametrize("name", scenes.NAMED)
+def test_fine_keeps_its_promises_on(name):
+    """By one filter of the two."""
+    found = verdict.judge(pages.drawer("FINE"), {name: scenes.NAMED[name]()}, ("blackman",), moves=name == "sphere")
+    assert verdict.broken(found) == {}
+
+
+@pytest.mark.slow
 def test_fine_keeps_its_promises(fine):
     assert verdict.broken(fine) == {}
 

@@ -38,8 +38,8 @@ def script(tmp_path, more):
 
 
 def encre(*args, python=None, **options):
-    """What came of `encre args`. python: one of another place, which starts anew."""
-    if python is None and forks.POSSIBLE:
+    """What came of `encre args`. python: one of another place; it starts anew, and so does what options say more of."""
+    if python is None and forks.POSSIBLE and options.keys() <= {"cwd", "env"}:
         return forks.run(args, **options)
     command = [python or sys.executable, "-m", "encre", *map(str, args)]
     return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
