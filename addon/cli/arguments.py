@@ -23,6 +23,26 @@ STATUS = """exit status:
   130  interrupted"""
 
 
+def without(argv, **options):
+    """`argv` without some options. options: {an option's name, with _ for -: how many words it takes, "?" for one that
+    may be missing}; of a single letter, -f, too."""
+    names = {("--" if len(name) > 1 else "-") + name.replace("_", "-"): words for name, words in options.items()}
+    rest, skip = [], 0
+    for number, word in enumerate(argv):
+        name = word.partition("=")[0]
+        if skip:
+            skip -= 1
+        elif name in names:
+            after = argv[number + 1:number + 2]
+            words = names[name]
+            if words == "?":
+                words = 1 if after and not after[0].startswith("-") else 0
+            skip = 0 if "=" in word else words
+        elif not (word[:2] in names and not word.startswith("--")):  # -f1-4
+            rest.append(word)
+    return rest
+
+
 def joined(argv):
     """`argv` with -f and a list that begins with a minus as one word: argparse would take the list for an option."""
     words = []
@@ -128,30 +148,9 @@ def _seconds(text):
     return float(text)
 
 
-def parser():
-    """The parser; of what it reads, `command` names the command."""
-    whole = _Parser(prog="encre", description="Comic-book pictures from Blender scenes and from rendered layers.")
-    whole.add_argument("--version", action="version", version=f"encre {images.version()}")
-    commands = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
-
-    share = argparse.ArgumentParser(add_help=False)
-    share.add_argument("--no-wait", action="store_true", help=(
-        "end with status 75 where others have what is left, instead of waiting for it"))
-    share.add_argument("--lease", metavar="S", type=_seconds, default=lease.SECONDS, help=(
-        f"seconds after which others may take a frame over of which nothing was heard (default: {lease.SECONDS})"))
-
-    style = argparse.ArgumentParser(add_help=False)
-    style.add_argument("--preset", metavar="P", help="apply a preset: its name, as encre presets lists them, or file")
-    style.add_argument("--set", metavar="ID=VALUE", action="append", default=[], dest="sets",
-                       help="change a parameter after the preset (encre params lists them); may be repeated")
-
-    command = commands.add_parser("render", parents=[style, share], help="render a scene with Blender", description=(
-        "Render a scene with Blender. A .py scene is run in an empty file. Blender is --blender, else the Python "
-        "module bpy, else `blender` on PATH. With --resume several processes may render one sequence: each takes "
-        "frames that no other has."), examples="""examples:
-  encre render scene.blend -o panel.png
-  encre render scene.blend -o frames/####.exr -s 1 -e 48 --resume
-  encre render scene.py -o test.png -f 1-100x5,7 --set line_thickness=6""")
+def _scenes():
+    """What says which frames of which scene are rendered, and how."""
+    command = argparse.ArgumentParser(add_help=False)
     command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")
     command.add_argument("-o", "--output", metavar="OUT", required=True, type=_ending(".png", ".exr"), help=(
         "a .png, or a multilayer .exr to draw again; # in the name stands for digits of the frame number"))
@@ -173,24 +172,92 @@ def parser():
                          help="what Cycles computes on (default: as the file has it)")
     command.add_argument("--threads", metavar="N", type=_threads,
                          help="0: one a processor (default: as the file has it)")
+    command.add_argument("--strict", action="store_true", help=(
+        "missing or broken textures, libraries, caches and styles, scripts that fail, and a file newer than this "
+        "Blender are errors"))
+    command.add_argument("--enable-autoexec", action="store_true", help="run the scripts in the file; trust its maker")
+    command.add_argument("--path-mapping", metavar="FILE", help=(
+        "where the scene's files lie on this machine: rules as Open Job Description writes them"))
+    command.add_argument("--frame-timeout", metavar="S", type=_seconds, help=(
+        "give a frame, or opening the scene, up after so many seconds"))
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
+    return command
+
+
+def parser():
+    """The parser; of what it reads, `command` names the command."""
+    whole = _Parser(prog="encre", description="Comic-book pictures from Blender scenes and from rendered layers.")
+    whole.add_argument("--version", action="version", version=f"encre {images.version()}")
+    commands = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    share = argparse.ArgumentParser(add_help=False)
+    share.add_argument("--no-wait", action="store_true", help=(
+        "end with status 75 where others have what is left, instead of waiting for it"))
+    share.add_argument("--lease", metavar="S", type=_seconds, default=lease.SECONDS, help=(
+        f"seconds after which others may take a frame over of which nothing was heard (default: {lease.SECONDS})"))
+
+    style = argparse.ArgumentParser(add_help=False)
+    style.add_argument("--preset", metavar="P", help="apply a preset: its name, as encre presets lists them, or file")
+    style.add_argument("--set", metavar="ID=VALUE", action="append", default=[], dest="sets",
+                       help="change a parameter after the preset (encre params lists them); may be repeated")
+
+    scenes = _scenes()
+    command = commands.add_parser("render", parents=[scenes, style, share], help="render a scene",
+                                  description=(
+        "Render a scene with Blender. A .py scene is run in an empty file. Blender is --blender, else the Python "
+        "module bpy, else `blender` on PATH. With --resume several processes may render one sequence: each takes "
+        "frames that no other has."), examples="""examples:
+  encre render scene.blend -o panel.png
+  encre render scene.blend -o frames/####.exr -s 1 -e 48 --resume
+  encre render scene.py -o test.png -f 1-100x5,7 --set line_thickness=6""")
     command.add_argument("--resume", action="store_true", help=(
         "leave frames alone that are whole and were made from the same file (whatever it links), parameters, "
         "samples, size and versions"))
     command.add_argument("--quick", action="store_true", help="with --resume: don't read finished frames to their end")
     command.add_argument("--keep-going", action="store_true",
                          help="go on after a frame that failed, and say at the end which")
-    command.add_argument("--frame-timeout", metavar="S", type=_seconds, help=(
-        "give a frame, or opening the scene, up after so many seconds"))
-    command.add_argument("--strict", action="store_true", help=(
-        "missing or broken textures, libraries, caches and styles, scripts that fail, and a file newer than this "
-        "Blender are errors"))
-    command.add_argument("--enable-autoexec", action="store_true", help="run the scripts in the file; trust its maker")
     command.add_argument("--dry-run", action="store_true", help=(
         "only say which files would be written, also by File Output nodes"))
-    command.add_argument("--progress", choices=("text", "json"), default="text", help=(
-        "json: an object a line on the standard output"))
-    command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
+    command.add_argument("--progress", choices=("text", "json", "openjd"), default="text", help=(
+        "json: an object a line on the standard output; openjd: lines for a session of Open Job Description"))
+    command.add_argument("--jobs", metavar="N", type=_jobs, default=1, help=(
+        "Blenders that share the frames, each with memory of its own (default: 1)"))
+    command.add_argument("--serve", metavar="SOCKET", nargs="?", const="", help=(
+        "keep Blender open for frames that are asked for later: lists on the standard input, or on a socket of Unix's "
+        "that encre ask knows"))
+    command.add_argument("--detach", action="store_true",
+                         help="with --serve SOCKET: end when it answers, and leave it to itself")
     command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
+
+    command = commands.add_parser("submit", parents=[scenes, style], help="write or hand over the job of a farm",
+                                  description=(
+        "Write frames of a scene as a job of a farm's own system, and with --run hand it over. The scene is opened, to "
+        "list its frames and the files that it reads."), examples="""examples:
+  encre submit scene.blend -o frames/####.png -f 1-240 --farm slurm --chunk 4 --run
+  encre submit scene.blend -o frames/####.exr -s 1 -e 240 --farm deadline --job bundle
+  encre submit scene.blend -o frames/####.png -f 1-240 --farm openjd --film film.mp4""")
+    command.add_argument("--farm", choices=("openjd", "slurm", "flamenco", "deadline", "opencue"), required=True)
+    command.add_argument("--job", metavar="FOLDER", help="where its files go (default: SCENE.FARM)")
+    command.add_argument("--run", action="store_true", help="hand it over")
+    command.add_argument("--chunk", metavar="N", type=_count, default=1, help="frames of a task (default: 1)")
+    command.add_argument("--retries", metavar="N", type=_count, default=5,
+                         help="times that a task is tried again which may succeed then (default: 5)")
+    command.add_argument("--film", metavar="FILM", type=_ending(".mp4", ".mov", ".mkv", ".webm"),
+                         help="at the end have ffmpeg put the .png files together")
+    command.add_argument("--encre", metavar="COMMAND", default="encre",
+                         help="the command encre on the machines that render (default: encre)")
+
+    command = commands.add_parser("ask", help="have frames rendered by encre render --serve", description=(
+        "Have frames rendered by a process that encre render --serve SOCKET keeps."), examples="""examples:
+  encre render scene.blend -o frames/####.exr --resume --serve blender.socket --detach
+  encre ask blender.socket -f 1-4
+  encre ask blender.socket --end""")
+    command.add_argument("socket", metavar="SOCKET")
+    asked = command.add_mutually_exclusive_group(required=True)
+    asked.add_argument("-f", "--frame", metavar="N", type=_frame_list, help="frames, a list such as 1-100x5,7")
+    asked.add_argument("--end", action="store_true", help="end it")
+    command.add_argument("--progress", choices=("text", "json", "openjd"), default="text",
+                         help="as encre render has it")
 
     command = commands.add_parser("composite", parents=[style, share], help="restyle a rendered EXR", description=(
         "Restyle a rendered multilayer EXR, without Blender. The settings in the file are where it starts."),

@@ -21,22 +21,18 @@ from .workplace import AT_ONCE
 # Of a job, what a picture depends on besides the values, the scene's file and the versions. What else render() takes
 # says how to work, not what is drawn; a test asks of each option which of the two it is.
 PICTURE = ("samples", "size", "scene_name", "camera", "view_layer", "passes", "device", "autoexec")
+SERVED = ()  # in the place of frames, where they are asked for later
 _VERSION = 1  # of what a mark says
 
 
 def todo(scene, out, wanted, ready):
     """{frame: path}, in order. wanted: as render() has `frames`; ready: what inside.py says of the scene."""
-    if isinstance(wanted, tuple):
-        first, last = (own if number is None else number
-                       for number, own in zip(wanted, (ready["first"], ready["last"]), strict=True))
-        wanted, out = range(first, last + 1, ready["step"]), sequence.pattern(out)
-    elif wanted is None:
-        wanted = [ready["current"]]
-    elif len(wanted) > 1:
-        out = sequence.pattern(out)
-    if not wanted:
+    frames = sequence.meant(wanted, ready)
+    if not frames:
         raise EncreError(f"{scene}: there is no frame from the first to the last; give -s a frame before -e")
-    return {frame: sequence.path(out, frame) for frame in wanted}
+    if isinstance(wanted, tuple) or len(frames) > 1:
+        out = sequence.pattern(out)
+    return {frame: sequence.path(out, frame) for frame in frames}
 
 
 def made_from(job, ready):
@@ -54,14 +50,15 @@ def made_from(job, ready):
 class Frames:
     """A context manager: the frames of one call, one Blender after the other where one breaks down.
 
-    place: a Workplace beside them; timeout: seconds after which the scene's opening or a frame is given up, or None.
+    frames: as render() has them, or SERVED; place: a Workplace beside them; timeout: seconds after which the scene's
+    opening or a frame is given up, or None.
     """
 
     def __init__(self, command, job, out, frames, place, progress, timeout=None):
         self.command, self.job, self.out, self.frames, self.timeout = command, job, out, frames, timeout
         self.place, self.progress, self.child = place, progress, None
-        self.todo, self.said, self.suffixes, self.keep = {}, {}, [""], ()
-        self.before = None
+        self.todo, self.said, self.suffixes, self.keep, self.ready = {}, {}, [""], (), None
+        self.before, self.there = None, set()
 
     def __enter__(self):
         return self
@@ -71,17 +68,24 @@ class Frames:
 
     def plan(self, ready):
         """What is to be done, of what the child says about the scene."""
-        self.todo = todo(self.job["scene"], self.out, self.frames, ready)
-        self.suffixes, self.keep = ready["suffixes"], ready["keep"]
+        self.ready, self.suffixes, self.keep = ready, ready["suffixes"], ready["keep"]
+        if self.frames != SERVED:
+            self.todo = todo(self.job["scene"], self.out, self.frames, ready)
         self.said = made_from(self.job, ready)
 
     def mark(self, frame):
         return sequence.mark(frame=frame, **self.said)
 
     def finished(self, frame, quick):
-        """Whether the files of a frame are there, whole, and made from the same."""
-        return all(images.text(path, metadata.MARK) == self.mark(frame) and images.whole(path, last_row=quick)
-                   for path in self._paths(frame))
+        """Whether the files of a frame are there, whole, and made from the same. What another process has put in its
+        place since this one began was whole then."""
+        return all(images.text(path, metadata.MARK) == self.mark(frame)
+                   and images.whole(path, last_row=quick or path not in self.there) for path in self._paths(frame))
+
+    def paths(self, frames):
+        """{frame: path} of those that are asked for one after the other."""
+        out = sequence.pattern(self.out)
+        return {frame: sequence.path(out, frame) for frame in frames}
 
     def _paths(self, frame):
         """The files of a frame: in stereo one for each eye."""
@@ -89,6 +93,9 @@ class Frames:
         return [stem + suffix + ending for suffix in self.suffixes]
 
     def show(self, resume, quick):
+        """Tells what would be read and written."""
+        for path in [self.job["scene"], *self.ready["inputs"]]:
+            self.progress.tell("input", file=path, there=os.path.exists(path))
         for frame in self.todo:
             state = "finished" if resume and self.finished(frame, quick) else "to render"
             for path in self._paths(frame):
@@ -99,9 +106,11 @@ class Frames:
     def run(self, resume, quick, keep_going, wait):
         """Renders what is to be done, first what nobody else has, then what others have let go of. Returns only when
         every picture is in its place. RenderError: not all are; TryAgain: and may be another time."""
-        self._start()
+        if not self.child:
+            self.start()
         for path in self.todo.values():
             images.check_place(path)
+        self.there = {path for frame in self.todo for path in self._paths(frame) if os.path.exists(path)}
         order, count = {frame: number for number, frame in enumerate(self.todo, 1)}, len(self.todo)
         left, failed, finished, told, rounds = list(self.todo), {}, [], set(), 0
         while left:
@@ -111,6 +120,7 @@ class Frames:
                 try:
                     if (resume or rounds) and self.finished(frame, quick):
                         finished.append(frame)
+                        self.progress.tell("finished", frame=frame)
                         continue
                     if holder := claims.get(name) or self._claim(frame):
                         held[frame] = holder
@@ -118,9 +128,10 @@ class Frames:
                     # Whoever had claimed it may have finished it meanwhile.
                     if (resume or rounds) and self.finished(frame, quick):
                         finished.append(frame)
+                        self.progress.tell("finished", frame=frame)
                         continue
                     if not self.child:  # before a frame is begun: what Blender says of the file is no news
-                        self._start()
+                        self.start()
                     self.progress.begin(frame, order[frame], count)
                     self._frame(frame, quick)
                     claims = self._claims()
@@ -192,10 +203,11 @@ class Frames:
         if lost := [frame for frame in self.todo if not all(map(os.path.isfile, self._paths(frame)))]:
             raise TryAgain(f"frames {sequence.listed(lost)}: were finished and are gone again; run again with --resume")
 
-    def _start(self):
+    def start(self):
+        """Has Blender open the scene."""
         deadline = self.timeout and time.monotonic() + self.timeout
         self.child = Blender(self.command, self.job, self.progress, self.place.renew).__enter__()
-        self.child.error = RenderError if self.todo else EncreError
+        self.child.error = RenderError if self.said else EncreError
         try:
             ready = self.child.expect("ready", deadline=deadline)
         except TimeoutError:
@@ -205,7 +217,7 @@ class Frames:
         except EncreError:
             self._end()
             raise
-        if not self.todo:
+        if not self.said:
             self.plan(ready)
 
     def _end(self):

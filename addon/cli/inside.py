@@ -270,6 +270,10 @@ def main(job, line):
 
         bpy.app.handlers.render_stats.append(told)
         load(job, error, line.report)
+        from . import inputs
+
+        if job["mapping"]:
+            inputs.remap(job["mapping"], line.report)
         if words := amiss.found(job["scene"]):
             raise error(words)
         if "mesh" in job:
@@ -277,8 +281,10 @@ def main(job, line):
         else:
             scene = staging.prepare(job, line.report)
     if "mesh" not in job:
-        line.report("ready", first=scene.frame_start, last=scene.frame_end, step=scene.frame_step,
-                    current=scene.frame_current, suffixes=staging.suffixes(scene), keep=list(staging.asked(scene)),
+        script = job["scene"] if job["scene"].lower().endswith(".py") else None
+        line.report("ready", inputs=inputs.files(script), fps=scene.render.fps / scene.render.fps_base,
+                    first=scene.frame_start, last=scene.frame_end, step=scene.frame_step, current=scene.frame_current,
+                    suffixes=staging.suffixes(scene), keep=list(staging.asked(scene)),
                     blender=bpy.app.version_string)
         (compare if "techniques" in job else render)(job, scene, line, amiss)
     line.report("done")

@@ -95,15 +95,16 @@ class _Chorus:
 
     def new(self):
         """Passes on what is newly said, and gives what is newly told of frames."""
-        for row in _rows(self.said):
+        for row in rows(self.said):
             words = self.one.sub("", row)
             if words not in self.words:
                 self.words.add(words)
                 put(row, "stderr", end="")
-        return [json.loads(row) for row in _rows(self.told)]
+        return [json.loads(row) for row in rows(self.told)]
 
 
-def _rows(files):
+def rows(files):
+    """What whole rows of text have been added to open files since this was asked."""
     for file in files:
         while (row := file.readline()).endswith(b"\n"):
             yield row.decode(errors="replace")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command `encre`: render, composite, bake, params, presets.
+"""The command `encre`: render, submit, ask, composite, bake, params, presets.
 
 Every error is one line `encre: error: …` on the standard error, and every warning and note one like it. What strangers
 named is shown with its control characters written out.
@@ -7,6 +7,7 @@ named is shown with its control characters written out.
 
 import contextlib
 import json
+import math
 import os
 import sys
 import time
@@ -18,18 +19,18 @@ import numpy as np
 from ..pen import library, presets
 from ..pen.errors import EncreError, shown
 from ..pen.params import Chosen
-from . import images, shadows, substitutes, tools
-from .arguments import AGAIN, joined, parser
+from . import crew, images, mapping, render, sequence, serve, shadows, submit, substitutes, tools
+from .arguments import AGAIN, joined, parser, without
 from .bake import bake
 from .child import RenderError, TryAgain
+from .frames import SERVED
 from .jobs import run as run_jobs
 from .jobs import teller
 from .progress import Progress, say
-from .render import render
 from .restyle import LEFT, check, plan, restyle, sum_up
 
 
-def _changes(args):
+def _changes(args, rules=()):
     """The values that --preset and --set give: each alone is good; together they are judged over what they change."""
     values = dict(presets.find(args.preset).values) if args.preset is not None else {}
     for text in args.sets:
@@ -39,7 +40,7 @@ def _changes(args):
         values[id_.strip()] = library.parse(id_.strip(), value)
     for id_, value in values.items():
         if value and library.params()[id_].type == "image":
-            values[id_] = os.path.abspath(value)
+            values[id_] = os.path.abspath(mapping.apply(rules, value))
             images.read_chosen(Chosen(id_, values[id_]))
     return values
 
@@ -68,16 +69,79 @@ def _render(args):
         raise EncreError("--quick says how --resume looks at frames; give both")
     if args.passes and not args.output.lower().endswith(".exr"):
         raise EncreError(f"--passes names passes of an .exr, and {args.output} has none; end its name in .exr")
-    frames, progress = _frames(args), Progress(say, args.progress == "json", args.verbose)
+    frames, serves = _frames(args), args.serve is not None
+    if serves and (frames is not None or args.dry_run or args.jobs > 1):
+        raise EncreError("--serve renders frames that are asked for later; leave out which, --dry-run and --jobs")
+    if args.detach and not args.serve:
+        raise EncreError("--detach leaves --serve SOCKET to itself; give both")
+    progress = _progress(args)
     try:
-        render(_scene(args), args.output, frames=frames, values=_changes(args), resume=args.resume, quick=args.quick,
-               dry_run=args.dry_run, frame_timeout=args.frame_timeout, keep_going=args.keep_going,
-               wait=not args.no_wait, seconds=args.lease, blender=args.blender, progress=progress,
-               samples=args.samples, size=args.size, scene_name=args.scene_name, camera=args.camera,
-               view_layer=args.view_layer, threads=args.threads, device=args.device, strict=args.strict,
-               autoexec=args.enable_autoexec, passes=args.passes, named=_named(args))
+        if args.detach:
+            serve.detach(args.serve, without(args.argv, detach=0))
+            return
+        options = _options(args)
+        how = {"resume": args.resume, "quick": args.quick, "keep_going": args.keep_going, "wait": not args.no_wait}
+        if args.dry_run:
+            render.planned(args.scene, args.output, frames, progress=progress, **options).show(args.resume, args.quick)
+        elif serves:
+            progress.as_json = True
+            with render.opened(args.scene, args.output, SERVED, frame_timeout=args.frame_timeout, seconds=args.lease,
+                               progress=progress, **options) as work:
+                serve.serve(work, args.serve or None, progress, _status, **how)
+            return
+        elif args.jobs > 1 and not (frames and not isinstance(frames, tuple) and len(frames) == 1):
+            crew.run([*without(args.argv, f=1, frame=1, s=1, start=1, e=1, end=1, jobs=1, progress=1, no_wait=0)],
+                     frames, args.jobs, args.threads, args.keep_going, not args.no_wait, progress)
+        else:
+            render.render(args.scene, args.output, frames=frames, frame_timeout=args.frame_timeout,
+                          seconds=args.lease, progress=progress, **how, **options)
     except (EncreError, OSError, MemoryError) as error:
         progress.tell("error", text=_words(error), status=_status(error))
+        raise
+    progress.tell("done")
+
+
+def _progress(args):
+    return Progress(say, args.progress == "json", getattr(args, "verbose", False), args.progress == "openjd")
+
+
+def _options(args):
+    """What of the command line says what is rendered, as render.opened() takes it. The scene is looked for."""
+    rules = mapping.read(args.path_mapping) if args.path_mapping else []
+    args.scene = mapping.apply(rules, args.scene)
+    args.output = mapping.apply(rules, args.output)
+    _scene(args)
+    return {"values": _changes(args, rules), "blender": args.blender, "samples": args.samples, "size": args.size,
+            "scene_name": args.scene_name, "camera": args.camera, "view_layer": args.view_layer,
+            "threads": args.threads, "device": args.device, "strict": args.strict, "autoexec": args.enable_autoexec,
+            "passes": args.passes, "named": _named(args), "mapping": rules}
+
+
+def _submit(args):
+    if args.film and not args.output.lower().endswith(".png"):
+        raise EncreError(f"--film takes .png files, and {args.output} is none; end its name in .png")
+    frames, progress = _frames(args), Progress(say)
+    work = render.planned(args.scene, args.output, frames, progress=progress, **_options(args))
+    own = {"submit": 0, "farm": 1, "job": 1, "run": 0, "chunk": 1, "retries": 1, "film": 1, "encre": 1, "f": 1,
+           "frame": 1, "s": 1, "start": 1, "e": 1, "end": 1, "o": 1, "output": 1}
+    options = [word for word in without(args.argv[1:], **own) if word != args.scene]
+    stem = os.path.splitext(os.path.basename(args.scene))[0]
+    place = os.path.abspath(args.job or f"{stem}.{args.farm}")
+    seconds = {"timeout": math.ceil(args.frame_timeout), "opening": math.ceil(args.frame_timeout)} \
+        if args.frame_timeout else {}
+    submit.submit(args.farm, submit.Job(
+        name=f"encre-{stem}", encre=args.encre, scene=os.path.abspath(args.scene),
+        out=os.path.abspath(sequence.pattern(args.output)), frames=list(work.todo), options=options,
+        inputs=work.ready["inputs"], fps=work.ready["fps"], place=place, chunk=args.chunk, retries=args.retries,
+        film=os.path.abspath(args.film) if args.film else "", **seconds), args.run)
+
+
+def _ask(args):
+    progress = _progress(args)
+    try:
+        serve.ask(args.socket, serve.END if args.end else ",".join(map(str, args.frame)), progress)
+    except EncreError as error:
+        progress.tell("error", text=str(error), status=_status(error))
         raise
     progress.tell("done")
 
@@ -178,8 +242,8 @@ def _presets(_args):
         print(f"{preset.id}: {preset.name}. {preset.description}")
 
 
-COMMANDS = {"render": _render, "composite": _composite, "bake": _bake, "compare": _compare, "params": _params,
-            "presets": _presets}
+COMMANDS = {"render": _render, "submit": _submit, "ask": _ask, "composite": _composite, "bake": _bake,
+            "compare": _compare, "params": _params, "presets": _presets}
 
 
 def _words(error):

@@ -34,18 +34,47 @@ def say(kind, sentence):
 
 class Progress:
     """say(kind, sentence) hears notes and warnings; `as_json`: one object a line goes to the standard output, none to
-    the standard error; verbose: pass on all that Blender prints."""
+    the standard error; openjd: lines of an Open Job Description's session, likewise; verbose: pass on all that Blender
+    prints. send(text): where such lines go, and whether somebody reads them."""
 
-    def __init__(self, say, as_json=False, verbose=False):
-        self._say, self.as_json, self.verbose = say, as_json, verbose
+    def __init__(self, say, as_json=False, verbose=False, openjd=False, send=put):
+        self._say, self.as_json, self.verbose, self.openjd, self.send = say, as_json, verbose, openjd, send
+        self.number, self.count = 1, 1  # of the frame, of how many
         self.label, self.start, self.told, self.frame = "", 0.0, set(), None
-        self.tty = not as_json and sys.stderr is not None and sys.stderr.isatty()
+        self.tty = not (as_json or openjd) and sys.stderr is not None and sys.stderr.isatty()
         self.part = 0, 1  # how many parts of the frame are done, and of how many
 
     def tell(self, event, **more):
-        if self.as_json and not put(json.dumps({"event": event, **more})):
+        if self.openjd and (line := self._openjd(event, more)):
+            put(shown(line))
+        if self.as_json and not self.send(json.dumps({"event": event, **more})):
             self.as_json = False
             self._say("warning", "nobody reads what --progress json tells any more; rendering goes on")
+
+    def _openjd(self, event, more):
+        if event in ("progress", "written", "finished", "done"):
+            done = self.number - 1 + more.get("fraction", 1)
+            return f"openjd_progress: {100 * done / self.count if event != 'done' else 100:.2f}"
+        kind = {"note": "status", "warning": "status", "failed": "status", "error": "fail"}.get(event)
+        return kind and f"openjd_{kind}: {more['text']}"
+
+    def relay(self, event, more):
+        """What another process has told."""
+        if event == "frame":
+            self.begin(more["frame"], more["number"], more["count"])
+        elif event == "progress":
+            self.frame, self.label = more["frame"], self.label or f"frame {more['frame']}"
+            self._sample(round(1000 * more["fraction"]), 1000)
+        elif event == "written":
+            self.frame, self.start = more["frame"], time.monotonic() - more["seconds"]
+            self.label = f"frame {self.frame} ({self.number}/{self.count})"
+            self.written(more["files"])
+        elif event in ("note", "warning"):
+            self.say(event, more["text"])
+        elif event == "failed":
+            self.failed(more["frame"], more["text"])
+        else:
+            self.tell(event, **more)
 
     def say(self, kind, sentence, **more):
         self.clear()
@@ -53,6 +82,7 @@ class Progress:
         self.tell(kind, text=sentence, **({"frame": self.frame} if self.label else {}), **more)
 
     def begin(self, frame, number, count):
+        self.number, self.count = number, count
         self.frame, self.label = frame, f"frame {frame} ({number}/{count})"
         self.start, self.part = time.monotonic(), (0, 1)
         self.tell("frame", frame=frame, number=number, count=count)
@@ -67,7 +97,7 @@ class Progress:
             self.label = ""
             return
         self.tell("written", frame=self.frame, files=paths, seconds=round(took, 3))
-        for path in () if self.as_json else paths:
+        for path in () if self.as_json or self.openjd else paths:
             put(shown(f"{self.label}: {path} ({took:.1f} s)"), "stderr")
         self.label = ""
 

@@ -4,6 +4,7 @@
 frames.py takes what it makes: Blender writes into a hidden folder beside the output and knows no other path.
 """
 
+import contextlib
 import importlib.util
 import os
 import shutil
@@ -20,9 +21,10 @@ from .progress import Progress
 from .workplace import Workplace
 
 # What may be chosen of a scene, and how it is opened; None and False: as the file has it. named: the ids in values of
-# which it is said if they change nothing; place: the folder below which a stranger's file may write, None: nowhere.
+# which it is said if they change nothing; place: the folder below which a stranger's file may write, None: nowhere;
+# mapping: rules of mapping.read().
 CHOICES = {"samples": None, "size": None, "scene_name": None, "camera": None, "view_layer": None, "threads": None,
-           "device": None, "strict": False, "autoexec": False, "passes": (), "named": (), "place": None}
+           "device": None, "strict": False, "autoexec": False, "passes": (), "named": (), "place": None, "mapping": ()}
 
 
 def find_blender(path=None):
@@ -42,33 +44,45 @@ def find_blender(path=None):
                           "this Python, or put the program blender on PATH")
 
 
-def render(scene, out, *, frames=None, values=None, resume=False, quick=False, dry_run=False, frame_timeout=None,
-           keep_going=False, wait=True, seconds=lease.SECONDS, blender=None, progress=None, **choices):
-    """Renders `scene` (.blend or .py) to `out` (.png or .exr).
+@contextlib.contextmanager
+def opened(scene, out, frames=None, *, values=None, frame_timeout=None, seconds=lease.SECONDS, blender=None, progress,
+           **choices):
+    """The frames.Frames of `scene` (.blend or .py), to be written to `out` (.png or .exr).
 
-    frames: None (the scene's current one), a list of numbers, or (first, last), either None for the scene's own;
-    values: what to change of the scene's parameters; resume: leave frames alone that are whole and were made from the
-    same (quick: not read to their end); frame_timeout: seconds after which the scene's opening or a frame is given up;
-    keep_going: go on after one that failed; wait: for frames that others render; seconds: how long a claim lasts when
-    nothing is heard of this process; progress: a Progress; choices: as in CHOICES. Raises EncreError for bad input,
-    RenderError for what fails under way.
+    frames: None (the scene's current one), a list of numbers, or (first, last), either None for the scene's own, or
+    frames.SERVED; values: what to change of the scene's parameters; frame_timeout: seconds after which the scene's
+    opening or a frame is given up; seconds: how long a claim lasts when nothing is heard of this process; choices: as
+    in CHOICES. Raises EncreError for bad input.
     """
-    if not dry_run:
-        images.prepare(out)
-    command = find_blender(blender)
-    out = os.path.abspath(out)
-    job = {"scene": os.path.abspath(scene), "ending": os.path.splitext(out)[1], "values": values or {}, **CHOICES,
-           "place": os.path.dirname(out), **choices}
-    progress = progress or Progress(print)
-    if dry_run:
-        with Blender(command, {**job, "folder": ""}, progress) as child:
-            work = Frames(command, job, out, frames, None, progress)
-            work.plan(child.expect("ready"))
-            work.show(resume, quick)
-        return
-    with _workplace(out, seconds) as place, Frames(command, {**job, "folder": place.path}, out, frames, place, progress,
-                                                   frame_timeout) as work:
+    images.prepare(out)
+    command, out = find_blender(blender), os.path.abspath(out)
+    with _workplace(out, seconds) as place:
+        job = {**_job(scene, out, values, choices), "folder": place.path}
+        with Frames(command, job, out, frames, place, progress, frame_timeout) as work:
+            yield work
+
+
+def render(scene, out, *, resume=False, quick=False, keep_going=False, wait=True, **options):
+    """Renders frames of a scene. resume: leave those alone that are whole and were made from the same (quick: not read
+    to their end); keep_going: go on after one that failed; wait: for what others render; options: as opened() has them.
+    Raises EncreError for bad input, RenderError for what fails under way."""
+    with opened(scene, out, **options) as work:
         work.run(resume, quick, keep_going, wait)
+
+
+def planned(scene, out, frames=None, *, values=None, blender=None, progress, **choices):
+    """The Frames of a scene that has been opened for this, of which nothing is rendered."""
+    command, out = find_blender(blender), os.path.abspath(out)
+    job = _job(scene, out, values, choices)
+    with Blender(command, {**job, "folder": ""}, progress) as child:
+        work = Frames(command, job, out, frames, None, progress)
+        work.plan(child.expect("ready"))
+    return work
+
+
+def _job(scene, out, values, choices):
+    return {"scene": os.path.abspath(scene), "ending": os.path.splitext(out)[1], "values": values or {}, **CHOICES,
+            "place": os.path.dirname(out), **choices}
 
 
 def compare(scene, out, take, *, frames=None, values=None, techniques=(), beside=("",), uniform=False, mips=False,

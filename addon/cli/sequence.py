@@ -30,6 +30,16 @@ def numbers(text):
     return list(found)
 
 
+def meant(wanted, ready):
+    """The frames that are meant by a list, (first, last) or None, of a scene that is `ready`: its first, last, step and
+    current frame."""
+    if not isinstance(wanted, tuple):
+        return [ready["current"]] if wanted is None else wanted
+    first, last = (own if number is None else number
+                   for number, own in zip(wanted, (ready["first"], ready["last"]), strict=True))
+    return list(range(first, last + 1, ready["step"]))
+
+
 def listed(frames):
     """Numbers as text, runs of three and more as first-last."""
     runs = []

@@ -272,13 +272,14 @@ def test_composite_waits_as_well(run, tmp_path, scene):
 CHANGES = {"preset": "ink_only", "sets": ["line_thickness=9"], "scene_name": "Other", "camera": "Other",
            "view_layer": "Other", "passes": ["Encre Lines"], "samples": 7, "size": [64, 32], "device": "cpu",
            "enable_autoexec": True}
-ELSEWHERE = {"scene": "its content is compared", "blender": "the version that it tells is compared",
+ELSEWHERE = {"path_mapping": "files that a scene links are not compared, wherever they lie",
+             "scene": "its content is compared", "blender": "the version that it tells is compared",
              "output": "the file itself; its kind is its name's", "frame": "each frame's number is in its mark",
              "start": "likewise", "end": "likewise"}
 NOTHING = {"help": "draws nothing", "no_wait": "how to share", "lease": "how to share", "resume": "what to look at",
            "quick": "what to look at", "keep_going": "what follows a failure", "frame_timeout": "when to fail",
            "strict": "what to fail for", "dry_run": "draws nothing", "progress": "what is said",
-           "verbose": "what is said",
+           "verbose": "what is said", "jobs": "how to share", "serve": "how to share", "detach": "how to share",
            "threads": "the same picture by any number of them"}
 
 

@@ -14,7 +14,7 @@ INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
 BELOW = {"base": set(), "edges": set(), "fine": {"edges"}, "ink": {"edges", "fine"}, "surface": {"edges", "fine"},
          "tones": set(), "raster": set(), "light": set(), "material": set(), "texture": {"edges"},
          "api": {"edges", "fine", "ink", "surface", "tones", "raster", "light", "material", "texture"}}
-INSIDE = {"inside.py", "staging.py", "needed.py", "trust.py"}  # what of the command line runs inside Blender
+INSIDE = {"inside.py", "staging.py", "inputs.py", "needed.py", "trust.py"}  # what of cli/ runs inside Blender
 
 
 def includes():
