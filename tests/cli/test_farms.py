@@ -176,6 +176,7 @@ import beside
 """
 
 
+@pytest.mark.slow
 def test_inputs_are_listed_and_looked_for_elsewhere(tmp_path):
     import exr
 
@@ -202,6 +203,7 @@ def test_inputs_are_listed_and_looked_for_elsewhere(tmp_path):
                                                       "--path-mapping", rules))
 
 
+@pytest.mark.slow
 def test_one_blender_serves_and_several_share(cube, tmp_path):
     """On the standard input, on a socket, and as --jobs."""
     rows = "3\nno frame\n5,6\n3\nend\n"

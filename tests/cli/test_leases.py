@@ -237,6 +237,7 @@ if os.environ.get("MEMORY"):
 """
 
 
+@pytest.mark.slow
 def test_statuses_tell_what_to_try_again(tmp_path):
     path, out = script(tmp_path, FAILING), tmp_path / "f.png"
     fails(encre("render", path, "-o", out, "-f", "1"), "SIGKILL", status=75)
@@ -303,6 +304,7 @@ def test_all_that_can_change_a_picture_is_compared(cube, monkeypatch):
     assert frames.made_from(plain, ready) != before
 
 
+@pytest.mark.slow
 def test_resume_draws_again_what_was_drawn_without_scripts(cube, tmp_path):
     command = ("render", cube, "-o", tmp_path / "f.png", "-f", "1", "--resume")
     works(encre(*command))
