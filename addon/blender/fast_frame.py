@@ -11,7 +11,7 @@ from ..pen.around import Window
 from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, fast, images, lamps, memory, versions, wanted
+from . import cameras, fast, images, lamps, memory, unseen, versions, wanted
 
 # What Cycles would have written: pass -> picture of fast.Scene.pictures().
 _PASSES = {"Depth": "depth", "Normal": "normal", "DiffDir": "diffuse", "DiffCol": "color", "GlossCol": "gloss",
@@ -85,6 +85,8 @@ class FastFrames:
             if not self.go_on():
                 raise Cancelled("rendering was cancelled")
             self.engine.update_stats("Encre", f"{name} {view}".strip())
+            for note in unseen.far_away(*matrices, scene.subject.distance(*matrices), height):
+                self.engine.say("WARNING", note)
             place, layers, plain = self._draw(scene, depsgraph, settings, matrices)
             out = self._ink(depsgraph, settings, read, view, place, layers, plain)
             if kept:

@@ -25,6 +25,7 @@ from . import (
     redraw,
     subframes,
     subject,
+    unseen,
     versions,
     volumes,
     wanted,
@@ -134,6 +135,8 @@ class Frames:
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
         if blurred:
             self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
+        for note in unseen.by_cycles(depsgraph) if settings.active else ():
+            self.engine.say("WARNING", note)
         if settings.wants_seen:
             overrides.follow_reflections(depsgraph)
         overrides.expect(depsgraph, wanted.own(depsgraph.scene, depsgraph.view_layer))
@@ -207,6 +210,9 @@ class Frames:
             orthographic = camera.data.type == "ORTHO"
             eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
                          0 if orthographic else about.distance(view, projection), about.light)
+
+            for note in unseen.far_away(view, projection, about.distance(view, projection), height) if objects else ():
+                self.engine.say("WARNING", note)
 
             def raster(those, wanted, view=view, projection=projection):
                 return library.raster(

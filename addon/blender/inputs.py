@@ -225,7 +225,7 @@ class Inputs(Patterns):
     def _TexImage(self, node):
         build, image = self.build, pictures.still(node)
         if image is None:
-            return {"Color": (0.0, 0.0, 0.0), "Alpha": 0.0}
+            return {"Color": (1.0, 0.0, 1.0), "Alpha": 1.0}  # magenta, as renderers have it
         wraps = {"REPEAT": "repeat", "EXTEND": "extend", "CLIP": "clip", "MIRROR": "extend"}
         if node.projection != "FLAT" or node.extension not in wraps:
             raise trees.Unknown(node.name)

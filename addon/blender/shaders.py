@@ -30,7 +30,13 @@ class Shaders(Inputs):
     def _BsdfDiffuse(self, node):
         return {"BSDF": Surface(self.three(node.inputs["Color"]))}
 
-    _BsdfToon = _BsdfTranslucent = _BsdfSheen = _BsdfVelvet = _BsdfHair = _BsdfHairPrincipled = _BsdfDiffuse
+    _BsdfToon = _BsdfTranslucent = _BsdfHair = _BsdfHairPrincipled = _BsdfDiffuse
+
+    def _BsdfSheen(self, node):
+        self.lose(node.name)  # it is darker, and brighter where it turns away
+        return self._BsdfDiffuse(node)
+
+    _BsdfVelvet = _BsdfSheen
 
     def _SubsurfaceScattering(self, node):
         return {"BSSRDF": Surface(self.three(node.inputs["Color"]))}

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sentences about what a scene has that only a renderer can show."""
 
+import bpy
+import numpy as np
+
 from . import trees
 
 _THINGS = {"POINTCLOUD": "a point cloud", "VOLUME": "a volume"}
@@ -15,6 +18,29 @@ def of_materials(looks, names):
     """Of the materials whose full names are given, those of the materials.Looks that show more in Cycles."""
     lost = [f"{name} ({', '.join(looks.lost[name])})" for name in names if looks.lost.get(name)]
     return [f"materials that show more in Cycles: {', '.join(lost)}; {_CURE}"] if lost else []
+
+
+def by_cycles(depsgraph):
+    """What Cycles draws otherwise than whoever made it for EEVEE meant it, of evaluated materials."""
+    found = [block.name for block in depsgraph.ids if isinstance(block, bpy.types.Material)
+             and any(node.bl_idname == "ShaderNodeShaderToRGB" for node in trees.nodes_of(block))]
+    return [f"Cycles knows no Shader to RGB, and draws without it: {', '.join(found)}; choose Encre for Layers to see "
+            "them as in EEVEE"] if found else []
+
+
+_FAR = 1 / 4  # of a pixel: by so much places that Blender can hold may be apart
+
+
+def far_away(view, projection, distance, height):
+    """Where the camera is so far from the origin that single precision is coarse in the picture of something at this
+    distance. view, projection: as cameras.views() gives them; height: of the frame, in pixels."""
+    eye = np.abs(view[:3, :3].T @ view[:3, 3]).max()
+    wide = 1.0 if projection[3, 3] == 1 else distance
+    step = eye * 2.0 ** -23 * projection[1, 1] * height / 2
+    if wide <= 0 or step <= _FAR * wide:
+        return []
+    return [f"the camera is more than {10 ** int(np.log10(eye)):,} units from the origin, where Blender's numbers are "
+            "coarse beside a pixel: lines and surfaces may break; move the scene to the origin"]
 
 
 def of_things(depsgraph, visible=None):

@@ -48,7 +48,9 @@ def test_what_nodes_leave_beside_meshes_ends_no_frame(render):
 
 def test_toon_materials_show_their_ramp_of_the_light(render):
     shot = render("toon")
-    assert shot.facts["failed"] == [None] * 2
+    assert shot.facts["failed"] == [None] * 4
+    assert shot.output.count("Cycles knows no Shader to RGB, and draws without it: Toon; choose Encre") == 1
+    assert shot.output.count("the camera is more than 100,000 units from the origin") == 1
     toon, matt = shot.passes("toon"), shot.passes("matt")
     ball = toon["Emit"].any(2)
     lit = matt["DiffDir"][ball].mean(1)

@@ -246,6 +246,8 @@ LINKS = {
     "muted shader": _to_surface(lambda tree: add(tree, "Emission", mute=True).outputs[0]),
     "alpha of Invert": _alpha_of("Invert"), "alpha of RGB to BW": _alpha_of("RGBToBW"),
     "alpha of Gamma": _alpha_of("Gamma"),
+    "no picture": shown(lambda tree: add(tree, "TexImage").outputs[0]),
+    "no picture's alpha": shown(lambda tree: add(tree, "TexImage").outputs["Alpha"]),
     "ramp HSV": _ramp("HSV"), "ramp HSL": _ramp("HSL"),
     "glow over clear": _both("AddShader", _glow, _clear), "half clear": _both("MixShader", _clear, _glow),
     "two glows": _both("AddShader", _glow, _glow), "fog": _fog, "beside what is unknown": _base(_rgb),
@@ -400,6 +402,14 @@ def toon(out):
     ball.data.materials.append(made("Toon", make))
     scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
     fact("failed", shoot(out, "toon"))
+    scene.encre.layer_source = "CYCLES"
+    fact("failed", shoot(out, "toon by cycles"))
+    scene.encre.layer_source = "ENCRE"
+    for obj in scene.objects:
+        obj.location.x += 3e5
+    fact("failed", shoot(out, "far"))
+    for obj in scene.objects:
+        obj.location.x -= 3e5
     ball.data.materials[0] = made("Matt", lambda tree, output: tree.links.new(
         add(tree, "BsdfDiffuse").outputs[0], output.inputs["Surface"]))
     fact("failed", shoot(out, "matt"))
