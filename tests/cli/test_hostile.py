@@ -3,6 +3,7 @@
 
 import os
 import struct
+import tempfile
 from pathlib import Path
 
 import exr
@@ -82,9 +83,10 @@ def larger(path, width, height):
 def test_what_needs_more_room_than_there_is_is_refused_before_work(tmp_path, scene):
     exr.write(tmp_path / "in.exr", {"Combined": scene["combined"][..., :3]}, half=True)
     larger(tmp_path / "in.exr", 40000, 40000)
-    child = start("composite", tmp_path / "in.exr", "-o", tmp_path / "o.png", env={**os.environ, "TMPDIR": "/dev/shm"})
-    fails(finish(child), "in.exr: needs 134.4 GB when it is unpacked", "GB of memory", "make room")
-    assert not (tmp_path / "o.png").exists() and not os.listdir("/dev/shm")
+    with tempfile.TemporaryDirectory(dir="/dev/shm") as folder:
+        child = start("composite", tmp_path / "in.exr", "-o", tmp_path / "o.png", env={**os.environ, "TMPDIR": folder})
+        fails(finish(child), "in.exr: needs 134.4 GB when it is unpacked", "GB of memory", "make room")
+        assert not (tmp_path / "o.png").exists() and not os.listdir(folder)
 
 
 def test_what_there_is_room_for():
