@@ -10,7 +10,7 @@ from ..pen import abi, background, library, overlay
 from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
-from . import cameras, filters, lamps, materials, meshes, mirrors, pictures, subject, trees, unseen, worlds
+from . import cameras, filters, lamps, materials, meshes, mirrors, pictures, subject, trees, unseen, volumes, worlds
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
@@ -66,12 +66,15 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         sky = Sky(np.array(world.color))
         notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
+    foggy, unread = volumes.fogs(depsgraph, light.mean)
+    if unread:
+        notes.append(f"not shown, as only Cycles can show it: what fills {', '.join(unread)}")
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky * light.exposure, scene.render.film_transparent,
                  subject.read(depsgraph, camera, light), clip, notes, first > 0,
                  first + looks.channels(objects.materials), looks.through(objects.materials),
                  looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials),
-                 looks.lit(objects.materials, first))
+                 looks.lit(objects.materials, first), foggy)
 
 
 def _join_attributes(objects):
@@ -118,7 +121,7 @@ class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
     def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, channels, through, shines,
-                 turned, holes, lit):
+                 turned, holes, lit, fogs=()):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
@@ -127,6 +130,7 @@ class Scene:
         self.through = through  # by number of material: whether light goes through it
         self.shines = shines and light.lamps > 0  # whether lamps make highlights on anything
         self.turned = turned  # whether a normal map turns anything
+        self.fogs = fogs  # volumes.Fogs, through which things are seen
         self.lit = lit  # number of a material that reads the light on it -> the first of three attributes
         self._looks = [name for name in abi.MATERIAL_OUTPUTS
                        if {"shine": self.shines, "turned": turned, "holdout": holes}.get(name, True)]
@@ -183,6 +187,11 @@ class Scene:
         layers |= {name: looks[name] for name in ("color", "gloss", "emission")}
         if self.light.exposure != 1:
             layers["emission"] = layers["emission"] * np.float32(self.light.exposure)
+        if self.fogs:
+            clear, fog = self._fog(maps["depth"], view, projection, frame)
+            for name in ("color", "gloss"):
+                layers[name] = layers[name] * clear
+            layers["emission"] = np.where(there[..., None], layers["emission"] * clear + fog, layers["emission"])
         mirrors = layers["gloss"]
         if lit is not None:
             layers["highlights"], layers["gloss"] = lit, np.maximum(mirrors, looks["shine"][..., :3])
@@ -212,6 +221,8 @@ class Scene:
         yield []
         layers["diffuse"] *= _any(layers["color"])[..., None]  # as a renderer has it
         self._background(layers, ~there, view, projection, frame)
+        if self.fogs and not self.transparent:
+            combined[~there, :3] = combined[~there, :3] * clear[~there] + fog[~there]
         if objects.catchers.any():
             caught = objects.catchers[instance]
             overlay.hide(layers, caught)
@@ -369,6 +380,23 @@ class Scene:
             layers["seen_depth"][layers["seen_depth"] >= 1e9] = 0
         return where, shown
 
+    def _fog(self, depth, view, projection, frame):
+        """(the share of light that comes through what is foggy before each pixel, the light that comes from it)."""
+        pixels = np.arange(depth.size)
+        rays = directions(view, projection, frame, pixels, depth.shape[1])
+        eye, ahead = -view[:3, :3].T @ view[:3, 3], -(rays @ view[2, :3])
+        if projection[3, 3] == 1:  # each pixel has an eye of its own
+            row, column = np.divmod(pixels, depth.shape[1])
+            right = (2 * (column + frame.x + 0.5) / frame.width - 1 - projection[0, 3]) / projection[0, 0]
+            up = (1 - 2 * (row + frame.y + 0.5) / frame.height - projection[1, 3]) / projection[1, 1]
+            eye = eye + np.stack([right, up], 1) @ view[:2, :3]
+        depths = np.minimum(depth.reshape(-1), 1e10) / np.maximum(ahead, 1e-6)
+        clear, fog = np.ones((depth.size, 1)), np.zeros((depth.size, 3))
+        for one in self.fogs:
+            through = np.exp(-one.density * one.length(eye, rays, depths))[:, None]
+            clear, fog = clear * through, fog * through + (1 - through) * one.color
+        return (np.float32(a.reshape(*depth.shape, -1)) for a in (clear, fog))
+
     def _from_camera(self, normal, view):
         towards = np.einsum("yxc,c->yx", normal, view[2, :3].astype(np.float32))
         return np.maximum(towards, 0)[..., None].repeat(3, 2)
@@ -376,7 +404,7 @@ class Scene:
     def same(self, other):
         """Whether another Scene looks the same from everywhere."""
         return all(_same(getattr(self, name), getattr(other, name)) for name in
-                   ("materials", "sky", "transparent", "subject", "objects")) and self.light.same(other.light)
+                   ("materials", "sky", "transparent", "subject", "objects", "fogs")) and self.light.same(other.light)
 
     def _gloss(self, layers, normal, mirrors, roughness, view, projection, frame, flat):
         """Adds what is reflected: of things it is known in flat mirrors alone, so other smooth surfaces reflect the

@@ -60,6 +60,7 @@ class Light:
         self.used, self.placed, self.lamps = set(), 0, 0
         self.said = []  # all that the scene was told, by which two of them are compared
         self.world, self.bends, self.exposure = None, [], filters.exposure(depsgraph)
+        self.suns = np.zeros(3)  # their light, spread to all sides
         try:
             self.world = worlds.light(filters.world(depsgraph))
         except trees.Unknown as e:
@@ -81,6 +82,11 @@ class Light:
         """Whether nothing of it can be drawn."""
         return not self.lamps and self.world is None
 
+    @property
+    def mean(self):
+        """The colour (3,) of what shines on fog from all sides; of lamps that stand somewhere nothing counts."""
+        return np.full(3, 0.5) if self.dark else self.suns + (0 if self.world is None else self.world[0])
+
     def _add_lamp(self, instance):
         obj = instance.object
         lamp = told(obj, np.array(instance.matrix_world, np.float64), self.unknown)
@@ -88,6 +94,8 @@ class Light:
             return
         lamp.light_set, lamp.shadow_set = self.sets.numbers(obj)
         lamp.color = lamp.color * self.exposure
+        if lamp.kind == "sun":
+            self.suns = self.suns + lamp.color / (4 * np.pi)
         self._add(lamp)
 
     def _add(self, lamp):

@@ -61,6 +61,17 @@ def test_toon_materials_show_their_ramp_of_the_light(render):
     assert (away < 1e-3).mean() > 0.97  # the ramp's end is smooth
 
 
+def test_fog_hides_what_is_far(render):
+    shot = render("fog")
+    assert shot.facts["failed"] == [None] * 2
+    for name, ways in (("world", (5, 15, 25)), ("box", (0, 8, 10))):
+        glow = shot.passes(name)["Emit"]
+        for k, way in enumerate(ways):
+            clear = np.exp(-0.05 * way)
+            want = clear * np.array((0.7, 0.6, 0.5)) + (1 - clear) * 0.4
+            np.testing.assert_allclose(glow[4, 8 * k + 4], want, atol=2e-4, err_msg=f"{name} {way}")
+
+
 def test_pictures_have_the_alpha_and_the_space_of_colours_that_cycles_gives_them(render):
     found = squares(render("decals"), "STRAIGHT False 0")
     assert len(found) >= 24

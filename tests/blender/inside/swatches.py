@@ -8,7 +8,7 @@ import numpy as np
 from encre.blender import fast, properties, versions
 from encre.pen import exr, layers
 from encre.pen.job import Frame
-from studio import fact, shoot, stage
+from studio import cube, fact, shoot, stage
 
 ROW, PIXELS = 8, 8  # squares in a row, pixels of a square
 _MARKED = (0.7, 0.6, 0.5, 1)
@@ -413,6 +413,32 @@ def toon(out):
     ball.data.materials[0] = made("Matt", lambda tree, output: tree.links.new(
         add(tree, "BsdfDiffuse").outputs[0], output.inputs["Surface"]))
     fact("failed", shoot(out, "matt"))
+
+
+def fog(out):
+    """Squares 5, 15 and 25 away in fog that is everywhere, and in a box from 7 to 17 away."""
+    for name in ("world", "box"):
+        scene = empty()
+        lay([made(f"Glow {k}", _to_surface(_glow)) for k in range(3)])
+        _look(3)
+        for k in range(3):
+            bpy.data.objects[f"Glow {k}"].location.z = -10 * k
+        world = bpy.data.worlds.new("World")
+        scene.world, world.use_nodes = world, True
+        back = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+        back.inputs[0].default_value = (0.4, 0.4, 0.4, 1)
+        box = made("Fog", _fog)
+        tree = world.node_tree if name == "world" else box.node_tree
+        if name == "world":
+            end = next(node for node in tree.nodes if node.type == "OUTPUT_WORLD")
+            tree.links.new(add(tree, "VolumeScatter").outputs[0], end.inputs["Volume"])
+        else:
+            obj = cube("Box", (0, 0, 0), 1, box)
+            obj.scale, obj.location.z = (40, 40, 10), -7
+        scatter = next(node for node in tree.nodes if node.type == "VOLUME_SCATTER")
+        scatter.inputs["Color"].default_value, scatter.inputs["Density"].default_value = (1, 1, 1, 1), 0.05
+        scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
+        fact("failed", shoot(out, name))
 
 
 # Pictures
