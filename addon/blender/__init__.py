@@ -10,9 +10,9 @@ without Cycles. It reads settings by properties, objects by meshes with triangle
 switches off in the evaluated scene what lines can't do with; subframes has Cycles render larger layers; early inks a
 picture that grows, escape after a break; memory keeps the last render's layers, or those of a file that is opened,
 which redraw draws again, and instant while a setting is dragged; live inks rendered 3D views: eye tells what they look
-at, unread when nothing of the scene has changed, screen draws in them; threads holds what Python needs on a render's
-thread and beside one. bake draws into textures; panels shows it all, with thumbnails of presets, in other languages by
-languages; pens has what artists call theirs.
+at, looks by which settings they draw, unread when nothing of the scene has changed, screen draws in them; threads holds
+what Python needs on a render's thread and beside one. bake draws into textures; panels shows it all, with thumbnails of
+presets, in other languages by languages; pens has what artists call theirs.
 
 wanted asks a view layer for passes, known is what of one is known before. fast reads a scene once and draws its layers
 from any side: materials compiles node trees, by nodes, shaders, inputs, patterns, values and sums, with trees to follow
@@ -22,6 +22,7 @@ layer leaves out, unseen says what Encre does.
 lamps is the drawn light's scene, meter how much is full light, subject how far away the picture's subject stands.
 painting makes and fills attributes of controls, control_nodes does so by Geometry Nodes, strokes turns drawings into
 marks. handlers is what Blender calls by itself, migration keeps old files' look, listener waits for a key.
+study shows people two looks side by side and asks which they prefer.
 
 To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what depends on the
 number of Blender's version to versions, with the reason, and nowhere else. Nothing here knows the command line.

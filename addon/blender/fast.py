@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layers of a picture without a renderer: a scene is read once, then drawn from any side by the library alone."""
 
+import copy
 import dataclasses
 
 import bpy
@@ -75,6 +76,16 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
                  first + looks.channels(objects.materials), looks.through(objects.materials),
                  looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials),
                  looks.lit(objects.materials, first), foggy)
+
+
+def repainted(scene, depsgraph, images):
+    """A Scene whose materials look into other pictures and which is else the same; images: what gives them, with a
+    get() as pictures.Images has it."""
+    looks = materials.read([block for block in depsgraph.ids if isinstance(block, bpy.types.Material)], images)
+    other = copy.copy(scene)
+    other.materials = looks.programs(scene.objects.materials, scene.objects.things,
+                                     len(library.controls()) if scene.painted else 0)
+    return other
 
 
 def _join_attributes(objects):

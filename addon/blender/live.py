@@ -24,7 +24,7 @@ from ..pen import library, shown
 from ..pen.background import Background
 from ..pen.errors import Cancelled, EncreError
 from ..pen.shown import Drawing, Wish
-from . import eye, fast, images, pictures, properties, unread
+from . import eye, fast, images, looks, pictures, unread
 
 _BUDGET = 1 / 15  # seconds that a picture may take while something moves
 _SMALLER = (1, 1 / 2, 1 / 4)
@@ -32,6 +32,7 @@ _SLICE = 0.004    # seconds that the main thread may work at a time
 _TICK = 0.002
 
 _numbers = itertools.count(1)  # of layers
+others = {}  # 3D space, as a pointer -> the class of View that draws there
 _views = weakref.WeakSet()  # that have a picture on its way
 
 
@@ -111,6 +112,7 @@ class View:
         self.changed, self.beside = True, None     # whether that is more than settings; unread.beside() as it was read
         self.scene = self.settings = self.failure = None
         self.images, self.turn = {}, None  # that the settings read; pictures.turn() as it was looked at
+        self.own = looks.SCENE             # the look that it has
         self.failed = None              # the _Now that could not be drawn
         self.read_number = self.settings_number = 0
         self.look = self.wish = self.scale = None
@@ -136,7 +138,7 @@ class View:
         except Exception as error:
             failure = sentence(error)
         if self.texture:
-            screen.show(self.texture, self.what.where.place)
+            self._show()
         lines = [(failure, (1, 0.25, 0.2))] if failure else self._legend()
         screen.say(context.region, lines, context.preferences.system.ui_scale, grounded=bool(failure))
 
@@ -162,9 +164,9 @@ class View:
     def _step(self, context, depsgraph):
         """Takes a picture that is finished, reads what is new, begins the next picture."""
         picture, before = self.picture, self.look and self.look.through_camera
-        self.look, camera = eye.look(context, depsgraph)
-        settings = context.space_data.shading.encre
-        self.wish = Wish(settings.show, settings.control)
+        self.look, camera = self._eye(context, depsgraph)
+        settings, own = context.space_data.shading.encre, self.own
+        self.wish, self.own = self._wish(settings), settings.look
         self.scale = depsgraph.scene_eval.encre.viewport_scale / 100
         if picture and picture.go_on():
             self._take(picture)
@@ -174,6 +176,7 @@ class View:
         before, self.turn = (before, self.turn), pictures.turn()
         if before != (self.look.through_camera, self.turn):  # a camera's focus counts
             self.stale = self.changed = True
+        self.stale = self.stale or own != self.own
         if self.picture and self.picture.scale > self._quick() and (self.stale or self.picture.now != self._now()):
             self.picture.cancel()
         if self.picture:
@@ -183,12 +186,26 @@ class View:
             self._read(context, depsgraph, camera)
         self._begin()
 
-    def _take(self, picture):
+    def _eye(self, context, depsgraph):
+        return eye.look(context, depsgraph)
+
+    def _wish(self, settings):
+        return Wish(settings.show, settings.control)
+
+    def _show(self):
         from . import screen
 
+        screen.show(self.texture, self.what.where.place)
+
+    def _upload(self, image):
+        from . import screen
+
+        return screen.upload(image)
+
+    def _take(self, picture):
         self.picture = None
         if picture.image is not None:
-            self.texture, self.what, picture.image = screen.upload(picture.image), picture, None
+            self.texture, self.what, picture.image = self._upload(picture.image), picture, None
             self.failure = None
         elif picture.failure:
             self.failure, self.failed = picture.failure, picture.now
@@ -198,7 +215,7 @@ class View:
         self.stale, self.failed = False, None
         space, layer, scene = context.space_data, context.view_layer, depsgraph.scene_eval
         try:
-            settings = properties.settings(scene)
+            settings = self._settings(scene)
             read_images, read = images.load(settings), self.scene
             beside = unread.beside(context, depsgraph, settings, camera)
             if self.changed or beside != self.beside:
@@ -216,6 +233,9 @@ class View:
             self.layers.clear()
         self.settings, self.images, self.scene, self.failure = settings, read_images, read, None
         self.changed, self.beside = False, beside
+
+    def _settings(self, scene):
+        return looks.own(scene, self.own)
 
     def _now(self):
         turns = self.settings.turns(self.look.number) if self.settings else frozenset()
@@ -266,12 +286,18 @@ class View:
         begun, (frame, size), whole = time.perf_counter(), where.frame(scale), known is None
         sharp = scale < self.scale
         if whole:
-            drawn = yield from scene.steps(where.view, where.projection, frame, size, settings, where.clip, sharp)
+            drawn = yield from self._drawn(scene, where, frame, size, settings, sharp)
             self.layers = {of: kept for of, kept in self.layers.items() if kept.key == key}
             known = self.layers[scale, sharp] = _Layers(key, drawn, next(_numbers))
-        image = yield from shown.picture(Drawing(*known.drawn, frame, settings, pictures, known.same), wish)
+        image = yield from self._image(known, frame, settings, pictures, wish)
         self.costs[scale, whole] = time.perf_counter() - begun
         return image
+
+    def _drawn(self, scene, where, frame, size, settings, sharp):
+        return scene.steps(where.view, where.projection, frame, size, settings, where.clip, sharp)
+
+    def _image(self, known, frame, settings, pictures, wish):
+        return shown.picture(Drawing(*known.drawn, frame, settings, pictures, known.same), wish)
 
     def _legend(self):
         if not (self.settings and self.what and self.what.now.wish.show == "EDGES"):
@@ -302,6 +328,10 @@ def _ours(engine, context):
     return context.space_data.shading.encre.source == "ENCRE"
 
 
+def _kind(context):
+    return others.get(context.space_data.as_pointer(), View)
+
+
 def view_update(engine, cycles, context, depsgraph):
     """cycles: what gives the module cycles.engine, or raises EncreError."""
     if not _ours(engine, context):
@@ -311,14 +341,15 @@ def view_update(engine, cycles, context, depsgraph):
     if engine.session:
         cycles().free(engine)
         engine.session = None
-    if not engine.live:
+    kind = _kind(context)
+    if type(engine.live) is not kind:
         render = depsgraph.scene_eval.render
-        engine.live = View(engine, render.threads if render.threads_mode == "FIXED" else 0)
+        engine.live = kind(engine, render.threads if render.threads_mode == "FIXED" else 0)
     engine.live.update(depsgraph)
 
 
 def view_draw(engine, cycles, context, depsgraph):
-    if bool(engine.live) != _ours(engine, context):  # the source was changed since the last update
+    if type(engine.live) is not (_kind(context) if _ours(engine, context) else type(None)):  # another since the last
         view_update(engine, cycles, context, depsgraph)
     if engine.live:
         engine.live.draw(context, depsgraph)

@@ -86,6 +86,24 @@ class Images:
         return Picture(texels, width, height, levels, wrap)
 
 
+class Instead:
+    """Images of which some hold something else."""
+
+    def __init__(self, images, others):
+        """images: the Images of all else; others: {full name: what it holds instead, as values() gives it}."""
+        self._images, self._others, self._known = images, others, {}
+
+    def get(self, image, wrap, alone=False):
+        """As Images.get()."""
+        if image.name_full not in self._others:
+            return self._images.get(image, wrap, alone)
+        key = image.name_full, alone and has_alpha(image)
+        if key not in self._known:
+            self._known[key] = _levels(_whole(image, self._others[image.name_full], alone))
+        texels, width, height, levels = self._known[key]
+        return Picture(texels, width, height, levels, wrap)
+
+
 def values(image):
     """What a Blender image holds, float32 (height, width, channels), row 0 at the bottom; None where its file is not
     there."""
@@ -122,10 +140,13 @@ def _pixels(image, alone):
     magenta where the file is not there, as renderers have. alone: whether the alpha is not asked for: as in Cycles,
     bytes then are multiplied as they are in the file."""
     out = values(image)
-    if out is None:
-        return np.array([[[1, 0, 1, 1]]], np.float32)
+    return np.array([[[1, 0, 1, 1]]], np.float32) if out is None else _whole(image, out, alone)
+
+
+def _whole(image, out, alone):
+    """Likewise of what an image holds, or is to hold."""
     whole = np.ones((*out.shape[:2], 4), np.float32)
-    if image.channels in (2, 4) and image.alpha_mode != "NONE":
+    if out.shape[2] in (2, 4) and image.alpha_mode != "NONE":
         whole[..., 3] = out[..., -1]
     color, alpha = colors(out), whole[..., 3:]
     if not image.is_float:

@@ -231,6 +231,8 @@ def _classes():
 
 def _view_class():
     """What a rendered 3D view shows."""
+    from . import looks
+
     def redraw(_self, context):
         for window in context.window_manager.windows:
             for area in window.screen.areas:
@@ -248,6 +250,11 @@ def _view_class():
             ("LEVELS", "Levels", "The levels of light, on white surfaces"),
             ("STYLES", "Styles", "A colour for each style, grey for the scene's own"),
             ("CONTROL", "Control", "A control: red where it is most, blue where least, grey where neutral")], **OURS),
+        "look": bpy.props.EnumProperty(
+            name="Look", description="By what this view draws the scene, which stays as it is: others may show it by "
+            "other presets", update=redraw, items=[
+                ("SCENE", "Scene", "The scene's own settings"), ("PLAIN", "Plain", "The layers, with nothing drawn"),
+                *looks.named()], **OURS),
         "control": bpy.props.EnumProperty(
             name="Control", description="The control that is shown", update=redraw,
             items=[(control.name, control.label, "") for control in library.controls().values()], **OURS),

@@ -142,6 +142,18 @@ def _passes(text):
     return [known[word] for word in wanted]
 
 
+def _number(text):
+    if not re.fullmatch(r"\d{1,6}", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 to 999999")
+    return int(text)
+
+
+def _share_of_people(text):
+    if not re.fullmatch(r"0?\.\d{1,6}", text) or not 0 < float(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a share between 0 and 1, such as 0.7")
+    return float(text)
+
+
 def _seconds(text):
     if not re.fullmatch(r"\d{1,9}(\.\d*)?", text) or not float(text) > 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds above 0")
@@ -331,6 +343,44 @@ def parser():
     command.add_argument("--quadrants", action="store_true", help="only the quadrants: no crops, no Blender's lines")
     command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the frame in pixels")
+    command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
+    command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
+
+    command = commands.add_parser("study", parents=[style], help="ask people which of two looks they prefer",
+                                  description=(
+        "Open a window in which people compare two looks of a scene whose camera moves, one person after the other, "
+        "and write a text file of each. --analyse tells what came of it, --plan how many people it takes; both need "
+        "scipy: pip install 'encre[study]'."), examples="""examples:
+  encre study room.blend -o answers
+  encre study room.blend -o answers --left ink_only --right pencil --open "Why?"
+  encre study --analyse answers
+  encre study --plan 0.7""")
+    command.add_argument("scene", metavar="SCENE", nargs="?", type=_ending(".blend", ".py"),
+                         help="a .blend or .py file")
+    command.add_argument("-o", "--output", metavar="DIR", help="the folder for the files, one a person")
+    for side, default in ("left", "dynamic"), ("right", "baked"):
+        command.add_argument(f"--{side}", metavar="LOOK", default=default, help=(
+            f"{'one' if side == 'left' else 'the other'} look: dynamic (the scene as it is), baked (lines between "
+            f"colours in its textures), plain, or a preset (default: {default})"
+            + ("; on which side each stands is drawn at random" if side == "left" else "")))
+    command.add_argument("--question", metavar="'NAME: TEXT'", action="append", default=[], dest="questions", help=(
+        "ask this instead of the thesis' two questions; may be repeated"))
+    command.add_argument("--open", metavar="TEXT", action="append", default=[], dest="open_",
+                         help="also ask this, to be answered in words; may be repeated")
+    command.add_argument("--slider", action="store_true", help="let people change how thick all lines are")
+    command.add_argument("--presses", metavar="N", type=_number, default=100,
+                         help="keys after which the questions come (default: 100)")
+    command.add_argument("--moves", metavar="N", type=_number, default=1000, help=(
+        "ticks, thirty a second, with the mouse moved in the free mode after which they come (default: 1000)"))
+    command.add_argument("--flights", choices=("ask", "live", "drawn"), default="ask", help=(
+        "drawn: before anybody sits down, and kept in DIR; ask: if the machine is too slow for live ones (default)"))
+    command.add_argument("--size", metavar="WxH", type=_size, help="size of the window (default: the whole screen)")
+    command.add_argument("--play", metavar="FILE", help="show again what a person saw, by their file")
+    command.add_argument("--analyse", metavar="DIR", help="tell what came of the sessions in a folder")
+    command.add_argument("--plan", metavar="SHARE", type=_share_of_people, help=(
+        "tell how many people it takes to find that this share of all prefer one look, as 0.7"))
+    command.add_argument("--power", metavar="P", type=_share_of_people, default=0.8,
+                         help="of --plan: which share of such studies is to find it (default: 0.8)")
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use")
     command.add_argument("--verbose", action="store_true", help="pass on what Blender prints")
 

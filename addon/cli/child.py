@@ -73,11 +73,11 @@ class _Stream:
 
 
 class Child:
-    """A context manager. `command`: how to run a script in Blender; `job`: what inside.py reads; hear(line) gets each
-    line that the child prints."""
+    """A context manager. `command`: how to run a script in Blender; `job`: what the script reads; hear(line) gets each
+    line that the child prints; script: inside.py, or another that talks as it does."""
 
-    def __init__(self, command, job, hear):
-        self.command, self.job, self.hear = command, job, hear
+    def __init__(self, command, job, hear, script=INSIDE):
+        self.command, self.job, self.hear, self.script = command, job, hear, script
         self._came, self._last = deque(), deque(maxlen=1)
 
     def __enter__(self):
@@ -97,7 +97,7 @@ class Child:
                 printed = os.path.join(self._temporary.path, "printed")
                 output, passed = open(printed, "wb"), {"close_fds": False}  # noqa: SIM115 - closed below
                 self._file = open(printed, "rb", buffering=0)  # noqa: SIM115 - __exit__ closes it
-            self._process = subprocess.Popen([*self.command, str(INSIDE), "--", path], stdin=subprocess.DEVNULL,
+            self._process = subprocess.Popen([*self.command, str(self.script), "--", path], stdin=subprocess.DEVNULL,
                                              stdout=output, stderr=subprocess.STDOUT, env=environment, **passed)
         except BaseException:
             ours.close()
@@ -177,8 +177,8 @@ class Child:
 class Blender(Child):
     """A child whose notes, warnings and errors are told on the way. alive(): is called whenever something is heard."""
 
-    def __init__(self, command, job, progress, alive=lambda: None):
-        super().__init__(command, job, self._hear)
+    def __init__(self, command, job, progress, alive=lambda: None, script=INSIDE):
+        super().__init__(command, job, self._hear, script)
         self.progress, self.alive, self.doing, self.error = progress, alive, "", EncreError
 
     def _hear(self, line):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command `encre`: render, submit, ask, composite, bake, params, presets.
+"""The command `encre`: render, submit, ask, composite, bake, compare, study, params, presets.
 
 Every error is one line `encre: error: …` on the standard error, and every warning and note one like it. What strangers
 named is shown with its control characters written out.
@@ -19,7 +19,7 @@ import numpy as np
 from ..pen import library, presets
 from ..pen.errors import EncreError, shown
 from ..pen.params import Chosen
-from . import crew, images, mapping, render, sequence, serve, shadows, submit, substitutes, tools
+from . import crew, images, mapping, render, sequence, serve, shadows, study, submit, substitutes, tools
 from .arguments import AGAIN, joined, parser, without
 from .bake import bake
 from .child import RenderError, TryAgain
@@ -198,6 +198,24 @@ def _bake(args):
     print(shown(f"{', '.join(written)} ({time.perf_counter() - start:.1f} s)"))
 
 
+def _study(args):
+    wanted = [name for name, given in (("SCENE", args.scene), ("--analyse", args.analyse), ("--plan", args.plan))
+              if given is not None]
+    if len(wanted) != 1:
+        raise EncreError("give a scene, --analyse DIR or --plan SHARE: one of the three")
+    if args.analyse is not None:
+        print("\n".join(map(shown, study.analyse(args.analyse).splitlines())))
+    elif args.plan is not None:
+        print(study.planned(args.plan, args.power))
+    elif args.output is None and args.play is None:
+        raise EncreError("-o is missing; name the folder for the files, one a person")
+    else:
+        study.run(_scene(args), args.output, left=args.left, right=args.right,
+                  questions=[study.question(text) for text in args.questions], open_=args.open_, slider=args.slider,
+                  flights=args.flights.upper(), presses=args.presses, moves=args.moves, values=_changes(args),
+                  size=args.size, play=args.play, blender=args.blender, say=say, verbose=args.verbose)
+
+
 def _params(args):
     if args.json:
         print(json.dumps([_row(p) for p in library.params().values()], indent=1, ensure_ascii=False))
@@ -243,7 +261,7 @@ def _presets(_args):
 
 
 COMMANDS = {"render": _render, "submit": _submit, "ask": _ask, "composite": _composite, "bake": _bake,
-            "compare": _compare, "params": _params, "presets": _presets}
+            "compare": _compare, "study": _study, "params": _params, "presets": _presets}
 
 
 def _words(error):

@@ -40,6 +40,16 @@ def test_layers_that_a_setting_asks_for_are_drawn(shot, name):
     assert found(shot, name)[1]
 
 
+def test_a_study_takes_the_window_and_gives_it_back(shot):
+    assert shot.facts["study"][0] == [["PENCIL", "PLAIN"], 1]
+    assert shot.facts["after it"][0] == ["View", "RENDERED", []]
+
+
+@pytest.mark.parametrize("name", ["look of a view", "plain look"])
+def test_a_view_may_have_a_look_of_its_own(shot, name):
+    assert found(shot, name)[1]
+
+
 @pytest.mark.parametrize("name", ["lines in mirrors", "smaller at rest"])
 def test_layers_are_drawn_anew_that_others_were_drawn_for(shot, name):
     assert found(shot, name)[1]

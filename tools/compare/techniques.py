@@ -8,12 +8,11 @@ textures; silhouettes by Encre), dynamic (all by Encre), freestyle and line_art 
 import contextlib
 import os
 import time
-from math import sqrt
 
 import bpy
 import numpy as np
-from encre.blender import bake, properties, subject, triangles, versions
-from encre.pen import colour, library, unwrap
+from encre.blender import bake, properties, versions
+from encre.blender.study import baked
 from encre.pen.errors import EncreError
 
 from . import grease
@@ -26,7 +25,7 @@ def render(job, scene, todo, report):
     """Renders every frame of `todo` by the job's techniques and reports each one's pictures."""
     kinds = {"plain": plain, "baked": BakedSet(job["uniform"], job["mips"], report), "dynamic": dynamic,
              "freestyle": freestyle, "line_art": line_art}
-    check(scene)
+    baked.check(scene)
     report("frame", frame=todo[0], number=0, count=len(todo))
     warm_up(scene, os.path.join(job["folder"], "first.png"))
     for number, frame in enumerate(todo, 1):
@@ -52,17 +51,6 @@ def render(job, scene, todo, report):
 
 class Missing(Exception):
     """This Blender lacks a technique."""
-
-
-def check(scene):
-    """Raises EncreError where there is nothing to compare."""
-    if not (scene.encre.use_lines and scene.encre.edge_color and scene.encre.width_color):
-        raise EncreError("the scene draws no lines between colours, which are what is compared; "
-                              "add --preset inter_color")
-    if not bake.tasks(scene.objects):
-        raise EncreError("no object of the scene shows a colour image, so there is nothing to bake lines into; "
-                              "give a material an image texture")
-    pixels_per_metre(scene)
 
 
 def shoot(scene, path):
@@ -126,14 +114,13 @@ class BakedSet:
             start = time.perf_counter()
             self.levels = [(task, self.bake(task, scene)) for task in bake.tasks(scene.objects)]
             self.seconds = time.perf_counter() - start
-        groups = [scene.encre, *(style for style in scene.encre.styles if style.is_property_set("edge_color"))]
         with contextlib.ExitStack() as stack:
-            for group in groups:
+            for group in baked.groups(scene):
                 stack.enter_context(changed(group, edge_color=0))
             for task, images in self.levels:
                 for node in task.nodes if images else ():
                     stack.enter_context(changed(node, image=images[0]))
-                    stack.enter_context(mipped(node, images, texels_per_pixel(task, scene)))
+                    stack.enter_context(mipped(node, images, texels(task, scene)))
             yield
 
     def bake(self, task, scene):
@@ -145,81 +132,12 @@ class BakedSet:
 
     def drawn(self, task, scene):
         """The image with lines, at each mip level. Raises EncreError."""
-        mesh, pixels = surface(task, bpy.context.evaluated_depsgraph_get()), bake.read(task.image)
-        values, images = properties.scene_values(scene), []
-        width = screen_width(values, scene) * texels_per_pixel(task, scene)
-        while not images or (self.mips and min(pixels.shape[:2]) > 2):
-            if images:
-                pixels = colour.halved(pixels, task.image.is_float)
-            # Each level has lines of its own, as wide on the surface as the finest's.
-            thick = min(width / 2 ** len(images), library.params()["line_thickness"].hard_max)
-            form = unwrap.form(mesh, pixels.shape[1], pixels.shape[0]) if self.uniform else None
-            drawn = library.bake(pixels, dict(values, line_thickness=thick), form, task.image.is_float,
-                                 unwrap.tiles(mesh))
-            images.append(bake.store(task.image, drawn.texture, None))
-        return images
+        return [bake.store(task.image, pixels, None) for pixels in baked.levels(task, scene, self.uniform, self.mips)]
 
 
-def surface(task, depsgraph):
-    """The triangles that show the image. Raises EncreError where one has no UV map."""
-    return unwrap.join([triangles.unwrapped(obj, depsgraph) for obj in task.objects])
-
-
-def texels_per_metre(mesh, width, height):
-    """Of a texture of this size on the mesh, on the mean."""
-    size = np.array([width, height])
-    sides = mesh.points[mesh.corners[:, 1:]] - mesh.points[mesh.corners[:, :1]]
-    across = (mesh.uv[:, 1:] - mesh.uv[:, :1]) * size
-    texels = np.abs(np.linalg.det(across))
-    there = texels > 1e-12
-    metres = np.linalg.norm(np.cross(sides[there, 0], sides[there, 1]), axis=1)
-    if not metres.sum() > 0:
-        raise EncreError("its UV map has no area")
-    return sqrt(texels.sum() / metres.sum())
-
-
-def projection_of(scene):
-    """The camera's matrix to clip space, and the frame's height in pixels."""
-    render = scene.render
-    width, height = (round(n * render.resolution_percentage / 100) for n in (render.resolution_x, render.resolution_y))
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    return np.array(scene.camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x,
-                                                    scale_y=render.pixel_aspect_y)), height
-
-
-def full_distance(scene):
-    """Where a line of the frame has its full width, in scene units; 0: everywhere."""
-    distance, depsgraph = scene.encre.line_depth_distance, bpy.context.evaluated_depsgraph_get()
-    if distance and scene.encre.line_depth_unit == "RELATIVE":
-        camera = scene.camera.evaluated_get(depsgraph)
-        view = np.array(camera.matrix_world.normalized().inverted())
-        distance *= subject.read(depsgraph, camera).distance(view, projection_of(scene)[0])
-    return distance
-
-
-def pixels_per_metre(scene):
-    """On a plane that faces the camera, at the distance where a line has its full width."""
-    projection, height = projection_of(scene)
-    scale = projection[1, 1] * height / 2
-    if scene.camera.data.type == "ORTHO":
-        return scale
-    distance = full_distance(scene)
-    if not distance:
-        raise EncreError("baked lines grow thin with distance, those of the frame do not: set "
-                              "line_depth_distance, the distance at which both are equally wide")
-    return scale / distance
-
-
-def screen_width(values, scene):
-    """The width in pixels of a line of strength 1 at that distance."""
-    unit = scene.render.resolution_y * scene.render.resolution_percentage / 100 / 1080
-    return values["line_thickness"] * (unit if values["length_unit"] == "RELATIVE" else 1)
-
-
-def texels_per_pixel(task, scene):
-    """On a plane that faces the camera, at the distance where a line has its full width."""
-    mesh = surface(task, bpy.context.evaluated_depsgraph_get())
-    return texels_per_metre(mesh, *task.image.size) / pixels_per_metre(scene)
+def texels(task, scene):
+    """For a pixel, where lines have their full width."""
+    return baked.texels_per_pixel(baked.surface(task, bpy.context.evaluated_depsgraph_get()), task.image, scene)
 
 
 @contextlib.contextmanager
@@ -249,7 +167,7 @@ def mipped(node, images, texels):
     used = [link.to_socket for link in node.outputs["Color"].links]
     vector = [link.from_socket for link in node.inputs["Vector"].links]
     depth = new("ShaderNodeCameraData").outputs["View Z Depth"]
-    full = full_distance(bpy.context.scene)
+    full = baked.full_distance(bpy.context.scene)
     level = math("LOGARITHM", math("MAXIMUM", math("MULTIPLY", depth, texels / full), 1.0), 2.0)
     color = node.outputs["Color"]
     for k, image in enumerate(images[1:]):

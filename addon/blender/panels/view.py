@@ -24,6 +24,7 @@ class ENCRE_PT_view(bpy.types.Panel):
         layout.row().prop(view, "source", expand=True)
         column = layout.column()
         column.active = view.source == "ENCRE"
+        column.prop(view, "look")
         column.prop(view, "show", text="")
         if view.show == "CONTROL":
             column.prop(view, "control", text="")

@@ -28,6 +28,7 @@ import keeping  # noqa: E402
 import kinds  # noqa: E402
 import lids  # noqa: E402
 import lit  # noqa: E402
+import looked  # noqa: E402
 import painting  # noqa: E402
 import patterns  # noqa: E402
 import pictures  # noqa: E402
@@ -42,7 +43,7 @@ import unusual  # noqa: E402
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
                                   keeping, surfaces, lids, lit, painting, patterns, quick, anchors, distances, slotted,
                                   staged, bumps, unusual, kinds, filters, swatches,
-                                  anytrees)
+                                  anytrees, looked)
          for name, case in vars(topic).items()}
 
 

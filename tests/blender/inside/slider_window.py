@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import keys  # noqa: E402
 import studio  # noqa: E402
 import window  # noqa: E402
 from watch import rest, space, uploaded, views  # noqa: E402
@@ -80,6 +81,10 @@ def settings():
     yield from changed("flat tones at once", (encre, "use_tones", True))
     encre.use_tones = False
     yield from changed("style", (encre, "use_smudging", True), (lambda *_: encre.styles.add(), "", None))
+    view = space().shading.encre
+    yield from changed("look of a view", (view, "look", "pencil"))
+    yield from changed("plain look", (view, "look", "PLAIN"))
+    view.look = "SCENE"
     bpy.data.objects["Ball"].encre.style = "Quiet"
     encre.styles[0].line_thickness = 0
     yield from changed("name of a style", (encre.styles[0], "name", "Quiet"))
@@ -227,5 +232,37 @@ def layers():
     live._BUDGET, encre.viewport_scale = budget, 100
 
 
+def study():
+    """The operator takes the window, whose view is a rendered one, and gives it back."""
+    from encre.blender.study import quadrants
+
+    def until(true):
+        for _ in range(900):
+            if true():
+                return
+            yield
+        raise AssertionError("the study waits")
+
+    camera = bpy.context.scene.camera
+    for frame in (1, 10):
+        camera.location.x = frame / 10
+        camera.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_end = 10
+    folder = os.path.join(window.FOLDER, "answers")
+    with window.override("VIEW_3D"):
+        bpy.ops.encre.study(directory=folder, left="plain", right="pencil")
+    yield from until(lambda: quadrants.Quadrants.stage and quadrants.Quadrants.stage.now != "READY")
+    stage = quadrants.Quadrants.stage
+    studio.fact("study", [sorted(stage.session.sides), len(bpy.context.window_manager.windows[0].screen.areas)])
+    keys.point(300, 300)
+    for _ in range(2):
+        keys.press("Escape")
+        yield
+    yield from until(lambda: quadrants.Quadrants.stage is None)
+    yield from rest()
+    studio.fact("after it", [type(views()[0]).__name__, space().shading.type, os.listdir(folder)])
+
+
 if __name__ == "__main__":
-    window.start(window.each(build, settings, beside, driven, animated, drawn_anew, pictures, layers), persistent=True)
+    window.start(window.each(build, settings, beside, driven, animated, drawn_anew, pictures, layers, study),
+                 persistent=True)
