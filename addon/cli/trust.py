@@ -59,7 +59,7 @@ class _Guard:
         self._pipes()
 
     def _freestyle(self, scene):
-        """Some Blenders run its modules whatever they are told of scripts: 3.4, 4.2 and 5.0, not 4.5."""
+        """Some Blenders run its modules whatever they are told of scripts: 3.4, 4.2 and 5.0, not 4.5 and 5.2."""
         for layer in scene.view_layers:
             settings = layer.freestyle_settings
             if scene.render.use_freestyle and settings.mode == "SCRIPT" and any(m.use for m in settings.modules):
