@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 19 };
+enum { ENCRE_API_VERSION = 20 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -220,6 +220,47 @@ typedef struct encre_frame {
 	int32_t width, height, x, y, number;
 } encre_frame;
 
+/* What an edge of a mesh is to the eye: bits, of which one may have several. */
+enum encre_chain_kind {
+	ENCRE_CHAIN_CONTOUR = 1,  /* the surface turns away */
+	ENCRE_CHAIN_BORDER = 2,   /* the surface ends */
+	ENCRE_CHAIN_NUMBER = 4,   /* the number of the object changes */
+	ENCRE_CHAIN_CREASE = 8,   /* the surface bends */
+	ENCRE_CHAIN_MEET = 16,    /* two surfaces pass through each other */
+	ENCRE_CHAIN_MARK = 32,    /* drawn by hand */
+	ENCRE_CHAIN_BEVEL = 64,   /* the middle of a bend over several faces */
+	ENCRE_CHAIN_SMOOTH = 128, /* beside others: it is shaded smoothly */
+	ENCRE_CHAIN_OTHER = 256,  /* beside MEET: of two objects */
+};
+
+/* Why a run ends. */
+enum encre_chain_end {
+	ENCRE_END_NONE = 0,   /* it goes on */
+	ENCRE_END_NODE = 1,   /* its chain does, or others meet there */
+	ENCRE_END_HIDDEN = 2, /* something lies before it */
+	ENCRE_END_FRAME = 3,  /* the frame, or a clip plane */
+	ENCRE_END_LOOP = 4,   /* it comes back to where it began */
+};
+
+/* A point of a run: of a polyline along edges of meshes, as far as it can be seen. Those of a run follow each other.
+ * What it tells but for the place is of the way to it from the point before; of a run's first, of the way from it. */
+typedef struct encre_chain_point {
+	float x, y;     /* pixels of the full frame; centres are whole numbers */
+	float depth;    /* along the view axis, scene units */
+	float bend;     /* degrees by which the surface bends across the edge, crease_offset included; MARK: 180 */
+	float gap;      /* CONTOUR, BORDER: pixels by which it lies before what is behind; 1e9: nothing is */
+	float along[2]; /* pixels along the whole edge, of any border of the frame, at the point before and here */
+	float fade;     /* 0..1: how much of its width it has */
+	int32_t mesh;   /* number of the mesh in its job; of MEET that of the first of both */
+	int32_t edge;   /* number of the edge in the mesh, or of the meet: less than 2^24; with `mesh` its identity */
+	int32_t kind;   /* bits of enum encre_chain_kind */
+	int32_t side;   /* CONTOUR, BORDER: where the surface lies: 1 right of the way, y down, -1 left; else 0 */
+	int32_t object; /* number of the object that it is of */
+	int32_t behind; /* CONTOUR, BORDER: of what is seen beyond it; 0: nothing */
+	int32_t run;    /* ascending from 0 */
+	int32_t end;    /* of the first and the last of a run: enum encre_chain_end; else ENCRE_END_NONE */
+} encre_chain_point;
+
 typedef struct encre_job {
 	encre_image layers[ENCRE_LAYER_COUNT];
 	encre_image outputs[ENCRE_OUTPUT_COUNT];
@@ -234,6 +275,12 @@ typedef struct encre_job {
 	int64_t nonfinite; /* out: how many values of the layers that are read were NaN or infinite and read as 0 */
 	int64_t same;      /* 0, or a number that is one of this context's next jobs' only if its layers hold the same
 			      values: then edges are found once for all, as long as they are the same */
+	/* What encre_chains() gave for this frame, in the same pixels; NULL: nothing is known. FINE takes lines of
+	 * shapes from it where `chained` tells so, and finds the others in the layers. */
+	const encre_chain_point *chains;
+	int64_t n_chains;
+	const uint8_t *chained; /* by object number: 1 = all its lines of shapes are in `chains` */
+	int64_t n_chained;
 } encre_job;
 
 /* `api_version`: ENCRE_API_VERSION of the caller. NULL if it is not this library's, or without memory. */
@@ -351,6 +398,28 @@ typedef struct encre_raster_job {
  * sides. Absent outputs are skipped; present ones share one size, and one is present at least. Arrays of meshes lie at
  * multiples of 4, the meshes at one of 8. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
+
+/* ---- chains ---------------------------------------------------------------------------------------------- */
+
+typedef struct encre_chain_job {
+	const encre_mesh *meshes; /* as in encre_raster_job */
+	int32_t n_meshes;
+	int32_t width, height; /* of the images; what lies up to 80 pixels beside them is there as well */
+	float least_bend;      /* degrees: what bends less is no crease */
+	double view[16];       /* as in encre_raster_job */
+	double projection[16];
+	double clip_start, clip_end;
+	encre_frame frame;
+	encre_progress progress; /* may be NULL */
+	void *user;
+	/* out: the context's own, until its next job of this kind */
+	const encre_chain_point *points;
+	int64_t n_points;
+} encre_chain_job;
+
+/* Finds the lines that meshes know, as runs along their edges, each as far as it can be seen. The same bytes on any
+ * number of threads. */
+ENCRE_API int32_t encre_chains(encre_context *context, encre_chain_job *job);
 
 /* ---- light ----------------------------------------------------------------------------------------------- */
 
