@@ -222,15 +222,18 @@ typedef struct encre_frame {
 
 /* What an edge of a mesh is to the eye: bits, of which one may have several. */
 enum encre_chain_kind {
-	ENCRE_CHAIN_CONTOUR = 1,  /* the surface turns away */
-	ENCRE_CHAIN_BORDER = 2,   /* the surface ends */
-	ENCRE_CHAIN_NUMBER = 4,   /* the number of the object changes */
-	ENCRE_CHAIN_CREASE = 8,   /* the surface bends */
-	ENCRE_CHAIN_MEET = 16,    /* two surfaces pass through each other */
-	ENCRE_CHAIN_MARK = 32,    /* drawn by hand */
-	ENCRE_CHAIN_BEVEL = 64,   /* the middle of a bend over several faces */
-	ENCRE_CHAIN_SMOOTH = 128, /* beside others: it is shaded smoothly */
-	ENCRE_CHAIN_OTHER = 256,  /* beside MEET: of two objects */
+	ENCRE_CHAIN_CONTOUR = 1,    /* the surface turns away */
+	ENCRE_CHAIN_BORDER = 2,     /* the surface ends */
+	ENCRE_CHAIN_NUMBER = 4,     /* the number of the object changes */
+	ENCRE_CHAIN_CREASE = 8,     /* the surface bends */
+	ENCRE_CHAIN_MEET = 16,      /* two surfaces pass through each other */
+	ENCRE_CHAIN_MARK = 32,      /* drawn by hand */
+	ENCRE_CHAIN_BEVEL = 64,     /* the middle of a bend over several faces */
+	ENCRE_CHAIN_SMOOTH = 128,   /* beside others: it is shaded smoothly */
+	ENCRE_CHAIN_OTHER = 256,    /* beside MEET: of two objects */
+	ENCRE_CHAIN_MATERIAL = 512, /* the number of the material changes */
+	ENCRE_CHAIN_FLUSH = 1024,   /* beside others: the surface goes on at the same depth in another one, of the same
+				       object or material: a line by its bend alone */
 };
 
 /* Why a run ends. */
@@ -671,6 +674,7 @@ enum encre_kind {
 	ENCRE_BAKE = 3,     /* encre_bake_job */
 	ENCRE_MATERIAL = 4, /* encre_material_job */
 	ENCRE_CALL = 5,     /* encre_call_job */
+	ENCRE_CHAINS = 6,   /* encre_chain_job */
 };
 
 /* A job of some kind, with progress NULL. */

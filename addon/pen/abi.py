@@ -88,6 +88,28 @@ class RasterJob(c.Structure):
                 ("beyond", Image), ("anchor", Image), ("tangent", Image), ("card", Image)]
 
 
+# encre_chain_point; its bits of `kind` and values of `end` are those of CHAIN_KINDS and CHAIN_ENDS.
+CHAIN_POINT = np.dtype([("x", "f4"), ("y", "f4"), ("depth", "f4"), ("bend", "f4"), ("gap", "f4"), ("along", "f4", 2),
+                        ("fade", "f4"), ("mesh", "i4"), ("edge", "i4"), ("kind", "i4"), ("side", "i4"),
+                        ("object", "i4"), ("behind", "i4"), ("run", "i4"), ("end", "i4")])
+CHAIN_KINDS = ("contour", "border", "number", "crease", "meet", "mark", "bevel", "smooth", "other", "material", "flush")
+CHAIN_ENDS = ("none", "node", "hidden", "frame", "loop")
+
+
+class ChainJob(c.Structure):
+    _fields_ = [("meshes", c.POINTER(Mesh)), ("n_meshes", c.c_int32), ("width", c.c_int32), ("height", c.c_int32),
+                ("least_bend", c.c_float), ("view", c.c_double * 16), ("projection", c.c_double * 16),
+                ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", Frame), ("progress", Progress),
+                ("user", c.c_void_p), ("points", c.c_void_p), ("n_points", c.c_int64)]
+
+
+def chain_points(found: ChainJob) -> np.ndarray:
+    """A copy of the points that a job has found: the context keeps its own only until the next."""
+    out = np.empty(found.n_points, CHAIN_POINT)
+    c.memmove(out.ctypes.data, found.points, out.nbytes) if len(out) else None
+    return out
+
+
 class BakeJob(c.Structure):
     _fields_ = [("texture", Image), ("form", Image), ("output", Image), ("params", c.c_void_p),
                 ("linear", c.c_int32), ("wrap_x", c.c_int32), ("wrap_y", c.c_int32), ("reserved", c.c_int32),
@@ -178,7 +200,7 @@ class CallJob(c.Structure):
 
 MOST_LEVELS = 32  # of a texture: each halves what an int32 counts
 
-WORKS = ("render", "raster", "light", "bake", "material", "call")  # enum encre_kind; their functions are called so, too
+WORKS = ("render", "raster", "light", "bake", "material", "call", "chains")  # enum encre_kind; their functions are called so, too
 
 
 def steps(works: Sequence[job.Work]) -> Array[Step]:

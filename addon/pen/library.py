@@ -19,7 +19,7 @@ from .errors import Cancelled, EncreError, unknown
 from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work, filled, whole
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 19
+API_VERSION = 20
 _ALL = "; `encre params` lists all"
 
 
@@ -277,6 +277,28 @@ class Library:
             if images[name].size:
                 setattr(job, name, abi.image(images[name]))
         return Work("raster", job, [keep, array, beyond], lambda: images)
+
+    def chains(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
+               size: tuple[int, int], clip_start: float, clip_end: float = 0.0, least_bend: float = 5.0,
+               threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None) -> np.ndarray:
+        """The lines that meshes know, as an array of abi.CHAIN_POINT: runs along their edges, as far as they can be
+        seen in images of `size` (width, height). least_bend: degrees from which on an edge is a crease."""
+        work = self.chains_work(meshes, view, projection, frame, size, clip_start, clip_end, least_bend)
+        return self.run(work, threads, simd, progress)
+
+    def chains_work(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
+                    size: tuple[int, int], clip_start: float, clip_end: float = 0.0, least_bend: float = 5.0) -> Work:
+        """The Work of chains()."""
+        job, keep = abi.ChainJob(least_bend=least_bend), []
+        array = (abi.Mesh * max(1, len(meshes)))()
+        for m, mesh in zip(array, meshes, strict=False):
+            keep.append(abi.fill_mesh(m, mesh))
+        job.meshes, job.n_meshes = array, len(meshes)
+        job.view[:] = np.asarray(view, np.float64).ravel()
+        job.projection[:] = np.asarray(projection, np.float64).ravel()
+        job.clip_start, job.clip_end = clip_start, clip_end
+        job.frame, (job.width, job.height) = abi.frame(frame), size
+        return Work("chains", job, [keep, array], lambda: abi.chain_points(job))
 
     def material(self, materials: Materials, maps: Mapping[str, np.ndarray], view: np.ndarray, projection: np.ndarray,
                  frame: Frame, threads: int = 0, simd: int = 1,

@@ -40,6 +40,7 @@ static int32_t run_step(encre_context *context, const encre_step *step)
 	case ENCRE_RASTER: return encre_raster(context, step->job);
 	case ENCRE_LIGHT: return encre_light(context, step->job);
 	case ENCRE_MATERIAL: return encre_material(context, step->job);
+	case ENCRE_CHAINS: return encre_chains(context, step->job);
 	case ENCRE_CALL: return encre_call(context, step->job);
 	default: return encre_bake(context, step->job);
 	}

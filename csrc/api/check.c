@@ -210,6 +210,17 @@ static int32_t check_apart_from_meshes(const encre_raster_job *job, const char *
 	return code;
 }
 
+int32_t check_chains(const encre_chain_job *job, char *error, size_t size)
+{
+	if (job->width < 1 || job->height < 1 || job->width > MAX_SIZE || job->height > MAX_SIZE)
+		return refuse(error, size, "chains: images of %d x %d pixels; give 1 to %d each way", (int)job->width,
+			      (int)job->height, MAX_SIZE);
+	if (!(job->least_bend >= 0 && job->least_bend <= 180))
+		return refuse(error, size, "chains: a least_bend of %g; give 0 to 180 degrees",
+			      (double)job->least_bend);
+	return check_frame(&job->frame, job->width, job->height, error, size);
+}
+
 int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size)
 {
 	const encre_layer_description what[] = {
@@ -291,12 +302,14 @@ encre_progress *step_progress(const encre_step *step, void ***user)
 	encre_material_job *material = step->job;
 	encre_bake_job *bake = step->job;
 	encre_call_job *call = step->job;
+	encre_chain_job *chains = step->job;
 	switch (step->kind) {
 	case ENCRE_RENDER: *user = &render->user; return &render->progress;
 	case ENCRE_RASTER: *user = &raster->user; return &raster->progress;
 	case ENCRE_LIGHT: *user = &light->user; return &light->progress;
 	case ENCRE_MATERIAL: *user = &material->user; return &material->progress;
 	case ENCRE_CALL: *user = &call->user; return &call->progress;
+	case ENCRE_CHAINS: *user = &chains->user; return &chains->progress;
 	default: *user = &bake->user; return &bake->progress;
 	}
 }
@@ -308,7 +321,7 @@ int32_t check_steps(const encre_step *steps, int32_t n_steps, char *error, size_
 			      ENCRE_MAX_STEPS);
 	for (int i = 0; i < n_steps; i++) {
 		void **user;
-		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_CALL)
+		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_CHAINS)
 			return refuse(error, size, "step %d: kind %d is not known; give one of enum encre_kind", i,
 				      (int)steps[i].kind);
 		if (!steps[i].job)

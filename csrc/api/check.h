@@ -13,6 +13,8 @@ int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre
 		  char *error, size_t size);
 /* Images and frame: meshes and matrices are geometry_check()'s. `clean` gets the job with strides filled in. */
 int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size);
+/* Size and frame, likewise. */
+int32_t check_chains(const encre_chain_job *job, char *error, size_t size);
 /* Likewise, and the parameters. */
 int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error, size_t size);
 /* Steps and that their jobs leave progress alone: what else a job says is checked at its turn. */

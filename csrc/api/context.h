@@ -19,11 +19,12 @@ struct encre_context {
 	encre_progress progress; /* of the job that runs, and whether it is being called just now */
 	void *user;
 	bool telling;
-	arena_held memory;   /* of the last picture, for the next */
-	kept_edges edges;    /* likewise */
-	arena_held light;    /* likewise, of the last light */
-	raster_kept *raster; /* likewise, of meshes */
-	void *sheet;         /* paper, likewise */
+	arena_held memory;          /* of the last picture, for the next */
+	kept_edges edges;           /* likewise */
+	arena_held light;           /* likewise, of the last light */
+	raster_kept *raster;        /* likewise, of meshes */
+	struct kept_shapes *chains; /* likewise, of meshes and their lines */
+	void *sheet;                /* paper, likewise */
 	char error[512];
 };
 

@@ -7,6 +7,7 @@
 #include "api/context.h"
 #include "base/cpu.h"
 #include "base/refuse.h"
+#include "chains/chains.h"
 #include "light/handle.h"
 #include "material/material.h"
 #include "raster/raster.h"
@@ -41,6 +42,7 @@ void encre_destroy(encre_context *context)
 	free(context->edges.memory.memory);
 	free(context->light.memory);
 	kept_free(&context->raster, true);
+	chains_free(&context->chains);
 	free(context->sheet);
 	free(context);
 }
@@ -134,6 +136,22 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	code = raster_run(pool, &clean, &context->raster, context->error, sizeof context->error);
+	return context->error[0] ? code : fail_code(context, code);
+}
+
+/* ---- chains ---------------------------------------------------------------------------------------------- */
+
+int32_t encre_chains(encre_context *context, encre_chain_job *job)
+{
+	int32_t code = enter_job(context, job);
+	if (!code)
+		code = check_chains(job, context->error, sizeof context->error);
+	if (code)
+		return code;
+	bands *pool = pool_of(context, job->progress, job->user);
+	if (!pool)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	code = chains_run(pool, job, use_best(context), &context->chains, context->error, sizeof context->error);
 	return context->error[0] ? code : fail_code(context, code);
 }
 

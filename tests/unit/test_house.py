@@ -12,8 +12,9 @@ CSRC, ADDON = ROOT / "csrc", ROOT / "addon"
 INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
 # What a room of csrc may include besides itself, base and encre.h.
 BELOW = {"base": set(), "edges": set(), "fine": {"edges"}, "ink": {"edges", "fine"}, "surface": {"edges", "fine"},
-         "tones": set(), "raster": set(), "light": set(), "material": set(), "texture": {"edges"},
-         "api": {"edges", "fine", "ink", "surface", "tones", "raster", "light", "material", "texture"}}
+         "tones": set(), "raster": set(), "chains": {"raster", "light"}, "light": set(), "material": set(),
+         "texture": {"edges"},
+         "api": {"edges", "fine", "ink", "surface", "tones", "raster", "chains", "light", "material", "texture"}}
 INSIDE = {"inside.py", "staging.py", "inputs.py", "needed.py", "trust.py", "windowed.py"}  # what runs inside Blender
 
 

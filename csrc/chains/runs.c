@@ -1,0 +1,213 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What can be seen of chains, as polylines. A chain is walked from one end to the other; hidden parts that are short
+ * are bridged, and short pieces that are hidden at both ends dropped. */
+#include "chains/chains.h"
+
+#include <stdlib.h>
+
+static const double bridge = 1.5; /* pixels */
+static const double least = 1.5;  /* pixels of what is hidden at both ends */
+static const double none = 0.02;  /* pixels of any run */
+static const double touch = 1e-3; /* pixels between what follows without a gap */
+
+typedef struct walk {
+	const chains *c;
+	kept_shapes *out;
+	bool failed;
+	int32_t run;
+	bool open;      /* a run has begun */
+	int64_t first;  /* its first point */
+	double gap;     /* pixels since the last that is seen; INFINITY: none was */
+	int32_t begins; /* enum encre_chain_end */
+	double length;
+} walk;
+
+static encre_chain_point *add_point(walk *w)
+{
+	kept_shapes *k = w->out;
+	if (k->n_points == k->room_points) {
+		int64_t room = k->room_points ? 2 * k->room_points : 1024;
+		encre_chain_point *more = realloc(k->points, (size_t)room * sizeof *more);
+		if (!more) {
+			w->failed = true;
+			return NULL;
+		}
+		k->points = more;
+		k->room_points = room;
+	}
+	return k->points + k->n_points++;
+}
+
+static void finish(walk *w, int32_t end)
+{
+	kept_shapes *k = w->out;
+	if (!w->open)
+		return;
+	w->open = false;
+	bool loose = w->begins == ENCRE_END_HIDDEN && end == ENCRE_END_HIDDEN;
+	if (k->n_points - w->first < 2 || w->length < none || (loose && w->length < least)) {
+		k->n_points = w->first;
+		return;
+	}
+	k->points[w->first].end = w->begins;
+	k->points[k->n_points - 1].end = end;
+	w->run++;
+}
+
+static double apart_from(const encre_chain_point *p, screen s)
+{
+	double x = s.x - 0.5 - (double)p->x, y = s.y - 0.5 - (double)p->y;
+	return sqrt(x * x + y * y);
+}
+
+static void add_piece(walk *w, const line *l, const seen_piece *piece, int way)
+{
+	kept_shapes *k = w->out;
+	screen ends[2] = {screen_at(l, way > 0 ? piece->from : piece->to),
+			  screen_at(l, way > 0 ? piece->to : piece->from)};
+	screen begins = screen_at(l, l->whole[0]);
+	encre_chain_point p = {.bend = piece->flush ? piece->bend : max(piece->bend, l->bend),
+			       .gap = piece->gap,
+			       .along = {(float)apart(begins, ends[0]), (float)apart(begins, ends[1])},
+			       .fade = l->fade,
+			       .mesh = l->body,
+			       .edge = l->edge & 0xffffff,
+			       .kind = l->kind | (piece->flush ? ENCRE_CHAIN_FLUSH : 0),
+			       .side = l->side * way,
+			       .object = l->object,
+			       .behind = piece->behind,
+			       .run = w->run};
+	bool any = k->n_points > w->first;
+	for (int e = 0; e < 2; e++) {
+		/* the first point of a run has what tells of the way from it; one after a bridge of the way to it */
+		if (e == 0 && any && apart_from(k->points + k->n_points - 1, ends[0]) <= touch)
+			continue;
+		encre_chain_point *to = add_point(w);
+		if (!to)
+			return;
+		*to = p;
+		to->x = (float)(ends[e].x - 0.5);
+		to->y = (float)(ends[e].y - 0.5);
+		to->depth = (float)ends[e].depth;
+		if (e == 0 && any) {
+			to->along[1] = to->along[0];
+			w->length += apart_from(to - 1, ends[0]);
+		}
+	}
+	w->length += apart(ends[0], ends[1]);
+}
+
+static void hide(walk *w, double pixels)
+{
+	if (pixels <= touch)
+		return;
+	w->gap += pixels;
+	if (w->gap > bridge)
+		finish(w, ENCRE_END_HIDDEN);
+}
+
+/* A line of a chain, from its end `from`. */
+static void walk_line(walk *w, const line *l, int from, bool loop)
+{
+	int way = from ? -1 : 1;
+	double at = l->part[from], pixels = l->part_long / fmax(l->part[1] - l->part[0], 1e-12);
+	for (int i = 0; i < l->n_pieces && !w->failed; i++) {
+		const seen_piece *piece = w->c->pieces + l->first + (way > 0 ? i : l->n_pieces - 1 - i);
+		double begins = way > 0 ? piece->from : piece->to, ends = way > 0 ? piece->to : piece->from;
+		double hidden = fabs(begins - at) * pixels;
+		bool none_yet = w->gap == INFINITY;
+		hide(w, hidden);
+		if (!w->open) {
+			w->open = true;
+			w->first = w->out->n_points;
+			w->length = 0;
+			w->begins = !none_yet || hidden > touch ? ENCRE_END_HIDDEN
+				    : loop                      ? ENCRE_END_LOOP
+				    : l->clipped[from]          ? ENCRE_END_FRAME
+								: ENCRE_END_NODE;
+		}
+		w->gap = 0;
+		add_piece(w, l, piece, way);
+		at = ends;
+	}
+	hide(w, fabs(l->part[1 - from] - at) * pixels);
+}
+
+static bool is_whole(const chains *c, const line *l)
+{
+	if (!l->n_pieces || c->pieces[l->first].from > l->part[0] ||
+	    c->pieces[l->first + l->n_pieces - 1].to < l->part[1])
+		return false;
+	for (int i = 1; i < l->n_pieces; i++)
+		if (c->pieces[l->first + i].from > c->pieces[l->first + i - 1].to)
+			return false;
+	return true;
+}
+
+static bool begins_hidden(const chains *c, int64_t end)
+{
+	const line *l = c->lines + end / 2;
+	if (!l->n_pieces)
+		return true;
+	const seen_piece *piece = c->pieces + l->first;
+	return end & 1 ? piece[l->n_pieces - 1].to < l->part[1] : piece->from > l->part[0];
+}
+
+/* The end at which to enter a ring: where it is hidden, if anywhere. *whole: nothing is. */
+static int64_t ring_start(const chains *c, int64_t start, bool *whole)
+{
+	int64_t end = start, part = -1;
+	do {
+		const line *l = c->lines + end / 2;
+		if (begins_hidden(c, end)) {
+			*whole = false;
+			return end;
+		}
+		part = part < 0 && !is_whole(c, l) ? end : part;
+		end = l->link[1 - (end & 1)];
+	} while (end != start);
+	*whole = part < 0;
+	return *whole ? start : part;
+}
+
+/* A chain, entered at an end of its first line. */
+static void walk_chain(walk *w, int64_t start, bool loop, uint8_t *done)
+{
+	int64_t end = start;
+	w->gap = INFINITY;
+	do {
+		const line *l = w->c->lines + end / 2;
+		int from = end & 1;
+		done[end / 2] = 1;
+		walk_line(w, l, from, loop && end == start);
+		end = l->link[1 - from];
+		if (end < 0) {
+			finish(w, w->gap > touch         ? ENCRE_END_HIDDEN
+				  : l->clipped[1 - from] ? ENCRE_END_FRAME
+							 : ENCRE_END_NODE);
+			return;
+		}
+	} while (end != start && !w->failed);
+	finish(w, loop ? ENCRE_END_LOOP : w->gap > touch ? ENCRE_END_HIDDEN : ENCRE_END_NODE);
+}
+
+int32_t runs_write(chains *c)
+{
+	walk w = {.c = c, .out = c->kept};
+	uint8_t *done = late_take(&c->late, (size_t)c->n_lines + 1, sizeof *done);
+	if (!done)
+		return ENCRE_ERROR_MEMORY;
+	for (int64_t i = 0; i < c->n_lines; i++)
+		done[i] = 0;
+	c->kept->n_points = 0;
+	for (int rings = 0; rings < 2; rings++)
+		for (int64_t i = 0; i < c->n_lines && !w.failed; i++) {
+			const line *l = c->lines + i;
+			bool whole = false;
+			if (done[i] || (!rings && l->link[0] >= 0 && l->link[1] >= 0))
+				continue;
+			int64_t start = rings ? ring_start(c, 2 * i, &whole) : 2 * i + (l->link[0] >= 0);
+			walk_chain(&w, start, whole, done);
+		}
+	return w.failed ? ENCRE_ERROR_MEMORY : ENCRE_OK;
+}
