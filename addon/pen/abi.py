@@ -315,7 +315,8 @@ def render_job(layers: int, outputs: int) -> type[c.Structure]:
         _fields_ = [("layers", Image * layers), ("outputs", Image * outputs),
                     ("camera", Camera), ("frame", Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
                     ("reserved", c.c_int32), ("progress", Progress), ("user", c.c_void_p),
-                    ("nonfinite", c.c_int64), ("same", c.c_int64)]
+                    ("nonfinite", c.c_int64), ("same", c.c_int64), ("chains", c.c_void_p), ("n_chains", c.c_int64),
+                    ("chained", c.c_void_p), ("n_chained", c.c_int64)]
     return Job
 
 

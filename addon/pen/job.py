@@ -36,6 +36,15 @@ class Frame:
 
 
 @dataclass
+class Chains:
+    """Lines that meshes tell of: points (n,) of abi.CHAIN_POINT, run by run, and by the number of an object whether all
+    its lines of shapes are among them (m,)."""
+
+    points: np.ndarray
+    chained: np.ndarray
+
+
+@dataclass
 class Mesh:
     """What encre_raster draws: points (n, 3) in object space, corners (t, 3), attributes (t, 3, channels); numbers of
     `object`, `material` and `style` (t,) or one for all; edges (t,) packed by edge_kinds(), and the degrees that are

@@ -16,7 +16,7 @@ import numpy as np
 
 from . import abi, installed
 from .errors import Cancelled, EncreError, unknown
-from .job import Baked, Camera, Frame, Materials, Mesh, Result, Work, filled, whole
+from .job import Baked, Camera, Chains, Frame, Materials, Mesh, Result, Work, filled, whole
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
 API_VERSION = 20
@@ -168,29 +168,32 @@ class Library:
     def render(self, layers: Mapping[str, np.ndarray], scene: Mapping | None = None, styles: Sequence[Mapping] = (),
                camera: Camera | None = None, frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
                threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None,
-               image: Callable[[Chosen], np.ndarray] | None = None) -> Result:
+               image: Callable[[Chosen], np.ndarray] | None = None, chains: Chains | None = None) -> Result:
         """Runs the stages on layers of shape (H, W, channels) or (H, W), float32, row 0 at the top, any strides.
 
         scene: values that differ from the defaults; styles[k]: what style number k + 1 changes, of which values of
-        frame scope are ignored. image(chosen): the pixels of one of the images() that are read, if any are.
+        frame scope are ignored. image(chosen): the pixels of one of the images() that are read, if any are. chains: the
+        lines that the meshes tell of, for the detector FINE.
         Result.images has an array (H, W, channels) for each of `outputs`.
         """
         every = self.complete(self.check(scene or {}), [self.check(s) for s in styles])
-        return self.draw(layers, every, camera, frame, outputs, threads, simd, progress, image)
+        return self.draw(layers, every, camera, frame, outputs, threads, simd, progress, image, chains=chains)
 
     def draw(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
              frame: Frame | None = None, outputs: Sequence[str] = ("Combined",), threads: int = 0, simd: int = 1,
              progress: Callable[[float], bool] | None = None,
              image: Callable[[Chosen], np.ndarray] | None = None,
-             empty: Callable[[tuple[int, ...]], np.ndarray] | None = None) -> Result:
+             empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, chains: Chains | None = None) -> Result:
         """As render(); every[k]: the checked values of style number k, as complete() gives them; empty(shape) makes the
         arrays of what is drawn."""
-        return self.run(self.draw_work(layers, every, camera, frame, outputs, image, empty), threads, simd, progress)
+        return self.run(self.draw_work(layers, every, camera, frame, outputs, image, empty, chains=chains), threads,
+                        simd, progress)
 
     def draw_work(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
                   frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
                   image: Callable[[Chosen], np.ndarray] | None = None,
-                  empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, same: int = 0) -> Work:
+                  empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, same: int = 0,
+                  chains: Chains | None = None) -> Work:
         """The Work of draw(). same: 0, or a number that other works of these layers, and no others, have too: where
         one context draws several one after the other, it finds their edges once."""
         job, keep = self._job(same=same), list[Any]()
@@ -231,6 +234,12 @@ class Library:
                              camera.distance, camera.light)
         frame = frame or Frame(width, height)
         job.frame = abi.frame(frame)
+        if chains:
+            points = np.ascontiguousarray(chains.points, abi.CHAIN_POINT)
+            chained = np.ascontiguousarray(chains.chained, np.uint8)
+            job.chains, job.n_chains = points.ctypes.data, points.size
+            job.chained, job.n_chained = chained.ctypes.data, chained.size
+            keep += [points, chained]
         return Work("render", job, keep, lambda: Result(images, job.nonfinite))
 
     def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,

@@ -308,6 +308,10 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->params = job->params;
 	f->kept_sheet = &context->sheet;
 	f->n_styles = job->n_styles;
+	f->chains = job->chains;
+	f->n_chains = job->n_chains;
+	f->chained = job->chained;
+	f->n_chained = job->n_chained;
 	f->scale = scale_of(f->params, f->place.height);
 	f->metered = 1;
 	if (f->params->shade_meter == shade_meter_LAMPS && job->camera.light > 1e-30f)

@@ -90,6 +90,10 @@ typedef struct frame {
 	encre_frame place;
 	float scale;   /* pixels of this frame per "px" of a parameter (length_unit) */
 	float metered; /* factor on light that brings full light to 1 (shade_meter) */
+	const encre_chain_point *chains; /* these four as the job has them */
+	int64_t n_chains;
+	const uint8_t *chained;
+	int64_t n_chained;
 	int n_styles;
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */

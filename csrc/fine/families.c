@@ -10,6 +10,7 @@ const family_info families[FAMILY_COUNT] = {
 #include "fine/families.rows.h"
 };
 
+#define FOUND_CHAIN(id, sample)
 #define FOUND_CRACK(id, sample)
 #define FOUND_THIN(id, sample)
 #define FOUND_VALLEY(id, sample)
@@ -29,6 +30,7 @@ const uint8_t marked_family[WORD_COUNT][16] = {
 
 /* ---- what holds of the rows ------------------------------------------------------------------------------ */
 
+#define STEP_OF_CHAIN(id, sample)
 #define STEP_OF_CRACK(id, sample)
 #define STEP_OF_THIN(id, sample)
 #define STEP_OF_VALLEY(id, sample)
@@ -39,6 +41,7 @@ enum { /* one each, or the compiler refuses */
 #include "fine/families.rows.h"
 };
 
+#define CHECK_CHAIN(id, sample)
 #define CHECK_CRACK(id, sample)
 #define CHECK_THIN(id, sample)
 #define CHECK_VALLEY(id, sample)

@@ -5,7 +5,9 @@
  * SAMPLE(id, layer, planes, form): layers that are averaged over their pixels, by the names of edges.h. `form` is how
  * their values are compared: a VECTOR bounded, a COLOR in the space of the metric, LIGHT exposed, a DISTANCE inverted.
  *
- * A family is one of these, in the order in which they claim the picture; all but shapes keep clear of earlier ones:
+ * A family is one of these, in the order in which they claim the picture; all but shapes and chains keep clear of
+ * earlier ones:
+ *   CHAIN_FAMILY(id, rank, bit) runs along edges of meshes, as chains tell it (fine/chains/): no pixel has marks of it
  *   CRACK_FAMILY(id, rank, faint, crumb, bit) runs between two pixels
  *   THIN_FAMILY(id, rank, crumb, bit) between pixel centres has its middle
  *   BAND_FAMILY(id, sample, rank, floor, unit, faint, crumb, word, bit) is a thin stripe of a sample
@@ -24,6 +26,7 @@
 #ifndef FAMILY
 #define FAMILY(...)
 #endif
+#define CHAIN_FAMILY(id, rank, bit) FAMILY(id, CHAIN, NO_SAMPLE, rank, 0, ONE, SURE, LONE, NONE, bit)
 #define CRACK_FAMILY(id, rank, faint, crumb, bit) FAMILY(id, CRACK, NO_SAMPLE, rank, 0, ONE, faint, crumb, CRACK, bit)
 #define THIN_FAMILY(id, rank, crumb, bit) FAMILY(id, THIN, NO_SAMPLE, rank, 0, ONE, SURE, crumb, RIDGE, bit)
 #define BAND_FAMILY(id, ...) FAMILY(id, BAND, __VA_ARGS__)
@@ -37,6 +40,8 @@ SAMPLE(SOURCE_SEEN,       SEEN_NORMAL, 3, VECTOR)
 SAMPLE(SAMPLE_SEEN_COLOR, SEEN_COLOR,  3, COLOR)
 SAMPLE(SAMPLE_SEEN_DEPTH, SEEN_DEPTH,  1, DISTANCE)
 
+CHAIN_FAMILY(CHAIN_SHAPE,                          SHAPE,                                       0)
+CHAIN_FAMILY(CHAIN_CREASE,                         CREASE,                                      2)
 CRACK_FAMILY(CRACK,                                SHAPE,                  FAINT, LONE,        0)
 THIN_FAMILY(THIN,                                  SHAPE,                         LONE,        0)
 CRACK_FAMILY(MARK,                                 CREASE,                 SURE,  LONE,        4)
@@ -57,6 +62,7 @@ STEP_FAMILY(SEEN_DEPTH,       SAMPLE_SEEN_DEPTH,   SEEN,   0,      ONE,    FAINT
 
 #undef SAMPLE
 #undef FAMILY
+#undef CHAIN_FAMILY
 #undef CRACK_FAMILY
 #undef THIN_FAMILY
 #undef BAND_FAMILY

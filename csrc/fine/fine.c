@@ -63,6 +63,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 		arena_take(a, (size_t)bands_threads(f->bands) * (size_t)made.thread_scratch, sizeof *made.scratch);
 	fine *n = arena_take(a, 1, sizeof *n);
 	f->fine = n;
+	made.mixed = made.crack;
 	if (n && !f->edges_kept)
 		*n = made;
 	if (n)
@@ -101,6 +102,11 @@ static int32_t show_strength(fine *n)
 		*at = !s->linked.dropped && s->placed.strength > *at ? s->placed.strength : *at;
 	}
 	return code;
+}
+
+static bool has_chains(const fine *n)
+{
+	return n->f->n_chained > 0;
 }
 
 static bool has_seen(const fine *n)
@@ -156,6 +162,7 @@ enum part {
 	CELLS = 1 << 8,  /* cell, member */
 	KEPT = 1 << 9,   /* linked */
 	LINKS = 1 << 10, /* at, to, known */
+	CHAINS = 1 << 11, /* chains, chain, chain_made, chain_link, replaced */
 	MARKS = LAYERS | CRACKS | HITS | THROUGH | RIDGES
 };
 
@@ -169,16 +176,19 @@ typedef struct pass {
 } pass;
 
 static const pass passes[] = {
+	{"find chains", has_chains, ISA(chains_find), LAYERS, CHAINS, NULL},
 	{"mark cracks", NULL, mark_cracks, LAYERS, CRACKS, BROKEN(cracks)},
 	{"mark hits", NULL, mark_hits, LAYERS | CRACKS, HITS, NULL},
 	{"see through", has_seen, ISA(seen_run), LAYERS, THROUGH, NULL},
 	{"mark ridges", NULL, mark_ridges, LAYERS | CRACKS | HITS | THROUGH, RIDGES, BROKEN(ridges)},
 	{"mark valleys", has_forms, ISA(valley_run), LAYERS | CRACKS | RIDGES, CRACKS | RIDGES, BROKEN(ridges)},
+	{"leave to chains", has_chains, ISA(chains_leave), LAYERS | CHAINS | CRACKS | RIDGES, CRACKS | RIDGES, BROKEN(cracks)},
 	{"bound", NULL, ISA(fine_bound), MARKS, BOUND, NULL},
 	{"gather", NULL, ISA(fine_gather), MARKS | BOUND, FOUND | PLACED, BROKEN(sites)},
 	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"claim", NULL, ISA(fine_claim), FOUND | PLACED | CELLS, KEPT | PLACED, BROKEN(claims)},
 	{"link", NULL, ISA(fine_link), CRACKS | FOUND | PLACED | CELLS | KEPT, LINKS | KEPT, BROKEN(links)},
+	{"link chains", has_chains, ISA(chains_link), CHAINS | FOUND | PLACED | CELLS | LINKS, LINKS | KEPT, BROKEN(links)},
 	{"tie", NULL, ISA(fine_tie), FOUND | PLACED | CELLS | KEPT | LINKS, LINKS | PLACED, BROKEN(links)},
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
 	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},

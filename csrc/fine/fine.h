@@ -23,15 +23,15 @@ enum family {
 	FAMILY_COUNT
 };
 
-enum kind { KIND_CRACK, KIND_THIN, KIND_BAND, KIND_STEP, KIND_VALLEY };
+enum kind { KIND_CHAIN, KIND_CRACK, KIND_THIN, KIND_BAND, KIND_STEP, KIND_VALLEY };
 
 /* What a family is made of: shapes, creases, colours, forms, light, what is seen in mirrors. Older ones come
  * first. */
 enum rank { RANK_SHAPE, RANK_CREASE, RANK_COLOR, RANK_FORM, RANK_LIGHT, RANK_SEEN, RANK_COUNT };
 
-/* Of a floor; and the marks of a pixel: in fine.crack, fine.ridge, fine.more. */
+/* Of a floor; and the marks of a pixel: in fine.crack, fine.ridge, fine.more; of chains it has none. */
 enum unit { UNIT_ONE, UNIT_CREASE };
-enum word { WORD_CRACK, WORD_RIDGE, WORD_MORE, WORD_COUNT };
+enum word { WORD_CRACK, WORD_RIDGE, WORD_MORE, WORD_NONE, WORD_COUNT };
 
 enum { NO_SAMPLE = SAMPLE_COUNT, LONE = 1, FAINT_SURE = 0, FAINT_FAINT = 1 };
 
@@ -53,20 +53,22 @@ extern const float least_faint;
 
 enum form { FORM_VECTOR, FORM_COLOR, FORM_LIGHT, FORM_DISTANCE };
 
-/* Of what is sampled: FAMILY_CRACK stands for none. */
+/* Of what is sampled: family 0, of chains, stands for none. */
 typedef struct sample_info {
 	uint8_t layer, planes, form;
 	uint8_t band, step; /* the families that are found in it */
 } sample_info;
 extern const sample_info samples[SAMPLE_COUNT];
 
-/* The family whose mark in a word a bit is; FAMILY_CRACK in fine.ridge and fine.more for none. */
+/* The family whose mark in a word a bit is; family 0, of chains, in fine.ridge and fine.more
+ * for none. */
 extern const uint8_t marked_family[WORD_COUNT][16];
 
 /* Marks of a pixel in fine.crack: CRACK_RIGHT, CRACK_DOWN, MARK_..., LIGHT_... */
 #define MARKS_CRACK(id, bit) id##_RIGHT = 1 << (bit), id##_DOWN = 2 << (bit),
 #define MARKS_RIDGE(id, bit)
 #define MARKS_MORE(id, bit)
+#define MARKS_NONE(id, bit)
 #define FAMILY(id, kind, sample, rank, floor, unit, faint, crumb, word, bit) MARKS_##word(id, bit)
 enum {
 #include "fine/families.rows.h"
@@ -75,6 +77,7 @@ enum {
 #undef MARKS_CRACK
 #undef MARKS_RIDGE
 #undef MARKS_MORE
+#undef MARKS_NONE
 
 static inline uint16_t mark_of(int family, int axis)
 {
@@ -148,6 +151,16 @@ static inline int tile_from(int tile, int size)
 	return (int)((int64_t)tile * size / tiles_of(size));
 }
 
+/* What chains tell of a site of theirs, besides. */
+typedef struct chain_site {
+	int32_t run, kind; /* kind: bits of enum encre_chain_kind */
+	float s;           /* pixels along the run */
+	int32_t mesh, edge;
+	float along, gap; /* as in encre_chain_point */
+	bool folded;      /* a contour behind which the same thing goes on */
+	bool tied;        /* an end that meets something */
+} chain_site;
+
 typedef struct fine {
 	frame *f;
 	const edges *e;
@@ -159,6 +172,7 @@ typedef struct fine {
 	bool bumps;                /* normals may make edges where no face bends */
 	uint8_t *colored;          /* by row: colours may make edges */
 	uint8_t *crack;            /* width * height */
+	uint8_t *mixed;            /* likewise: all cracks; `crack` has those that make sites */
 	uint8_t *hit;              /* spans * height: of THIN_SPAN pixels of a row */
 	int spans;
 	uint16_t *ridge;  /* width * height */
@@ -175,6 +189,14 @@ typedef struct fine {
 	float *scratch;          /* for each thread */
 	ptrdiff_t thread_scratch;
 
+	/* Of chains (fine/chains/): their sites are the first ones, those of shapes before those of creases. NULL and 0
+	 * without. */
+	uint32_t chains[2]; /* how many of each */
+	site *chain_made;   /* until they are gathered */
+	chain_site *chain;
+	uint32_t (*chain_link)[2], chain_links;
+	uint8_t *replaced, *uncut; /* width * height: 1 = chains tell the lines of what is there; memory of `mixed` */
+
 	uint32_t count;
 	site *site;
 	/* Sites by cells of CELL pixels each way, ascending within a cell: member[cell[i]] to member[cell[i + 1] - 1].
@@ -189,6 +211,11 @@ typedef struct fine {
 static inline int rank_of(const site *s)
 {
 	return families[s->found.family].rank;
+}
+
+static inline bool is_chain(const site *s)
+{
+	return families[s->found.family].kind == KIND_CHAIN;
 }
 
 static inline bool is_crack(int family)
@@ -316,6 +343,15 @@ int32_t ISA(fine_sort)(fine *n);
 
 int32_t ISA(fine_bound)(fine *n);
 int32_t ISA(fine_gather)(fine *n);
+
+/* ---- chains/: sites and links of what chains tell -------------------------------------------------------- */
+
+/* Finds their sites, and where pixels make none. */
+int32_t ISA(chains_find)(fine *n);
+/* Takes back the marks of what comes as chains. */
+int32_t ISA(chains_leave)(fine *n);
+/* Links their sites. */
+int32_t ISA(chains_link)(fine *n);
 
 /* ---- join ------------------------------------------------------------------------------------------------ */
 

@@ -288,6 +288,9 @@ int32_t ISA(fine_gather)(fine *n)
 {
 	frame *f = n->f;
 	size_t count = 0;
+	uint32_t chains = n->chains[0] + n->chains[1];
+	n->first[FAMILY_CHAIN_SHAPE * f->height] = n->chains[0]; /* they have no rows */
+	n->first[FAMILY_CHAIN_CREASE * f->height] = n->chains[1];
 	for (int i = 0; i < FAMILY_COUNT * f->height; i++) {
 		uint32_t own = n->first[i];
 		n->first[i] = (uint32_t)count;
@@ -298,6 +301,9 @@ int32_t ISA(fine_gather)(fine *n)
 	if (!n->site)
 		return ENCRE_ERROR_MEMORY;
 	n->count = (uint32_t)count;
+	if (chains)
+		memcpy(n->site, n->chain_made, chains * sizeof *n->site);
+	late_drop(&f->late, n->chain_made);
 	int32_t code = bands_run(f->bands, f->height, 0, make_rows, n);
 	late_drop(&f->late, n->dense);
 	return code;

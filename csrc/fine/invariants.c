@@ -51,7 +51,7 @@ static const char *broken_bound(const fine *n)
 		uint32_t count = 0;
 		for (uint32_t i = 0; i < n->count; i++) {
 			const found *at = &n->site[i].found;
-			count += at->column >= t.x && at->column < t.end && at->row >= t.y && at->row < t.last;
+			count += !is_chain(n->site + i) && at->column >= t.x && at->column < t.end && at->row >= t.y && at->row < t.last;
 		}
 		if (count > most_of(n->f, k))
 			return "a tile has no more sites than it may";
@@ -66,14 +66,15 @@ const char *broken_sites(const fine *n)
 		const found *at = &n->site[i].found, *last = i ? &n->site[i - 1].found : NULL;
 		const placed *s = &n->site[i].placed;
 		uint64_t key = (((uint64_t)at->family << 16 | at->row) << 16 | at->column) << 8 | at->axis;
-		if (last &&
+		if (last && !is_chain(n->site + i) &&
 		    key <= ((((uint64_t)last->family << 16 | last->row) << 16 | last->column) << 8 | last->axis))
 			return "sites grow by family, row, column and axis";
-		if (i < n->first[at->family * height + at->row] || i >= n->first[at->family * height + at->row + 1])
+		int row = is_chain(n->site + i) ? 0 : at->row; /* chains have no rows */
+		if (i < n->first[at->family * height + row] || i >= n->first[at->family * height + row + 1])
 			return "sites are counted by family and row";
 		if (at->column >= width || at->row >= height || s->near_x >= width || s->near_y >= height)
 			return "sites lie in the frame and take their controls there";
-		if (!(fabsf(s->x - (float)at->column) <= 2 && fabsf(s->y - (float)at->row) <= 2))
+		if (!is_chain(n->site + i) && !(fabsf(s->x - (float)at->column) <= 2 && fabsf(s->y - (float)at->row) <= 2))
 			return "sites lie where they were found";
 		if (!(s->strength >= 0 && s->strength <= FLT_MAX))
 			return "a strength is a number";
@@ -105,7 +106,7 @@ const char *broken_claims(const fine *n)
 {
 	for (uint32_t i = 0; i < n->count; i++) {
 		const site *s = n->site + i;
-		bool joins = rank_of(s) == RANK_SHAPE;
+		bool joins = rank_of(s) == RANK_SHAPE || is_chain(s);
 		if (s->linked.crumb && !s->linked.dropped)
 			return "crumbs are dropped";
 		if (s->linked.dropped)

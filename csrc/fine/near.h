@@ -23,7 +23,7 @@ static inline float object_at(const frame *f, int x, int y)
 /* Pixels beside a crack hold two surfaces. */
 static inline bool mixed_at(const fine *n, int x, int y)
 {
-	const uint8_t *c = n->crack + (ptrdiff_t)y * n->f->width + x;
+	const uint8_t *c = n->mixed + (ptrdiff_t)y * n->f->width + x;
 	return (c[0] & (CRACK_RIGHT | CRACK_DOWN)) || (x > 0 && (c[-1] & CRACK_RIGHT)) ||
 	       (y > 0 && (c[-n->f->width] & CRACK_DOWN));
 }
@@ -280,6 +280,20 @@ static inline int32_t at_step(const fine *n, uint32_t i)
 static inline bool stopped_at(const fine *n, int i)
 {
 	return i % STOP == 0 && bands_stopped(n->f->bands);
+}
+
+/* ---- what meshes tell ------------------------------------------------------------------------------------ */
+
+/* What chains tell of a site of theirs. */
+static inline const chain_site *chain_of(const fine *n, const site *s)
+{
+	return n->chain + (s - n->site);
+}
+
+/* Whether a line was drawn by hand. */
+static inline bool is_by_hand(const fine *n, const site *s)
+{
+	return s->found.family == FAMILY_MARK || (is_chain(s) && (chain_of(n, s)->kind & ENCRE_CHAIN_MARK));
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */

@@ -179,6 +179,7 @@ static void junction_site(const fine *n, const found *at, placed *s)
 void ISA(fine_place)(const fine *n, const found *at, placed *s)
 {
 	switch ((enum kind)families[at->family].kind) {
+	case KIND_CHAIN: break; /* it has no mark */
 	case KIND_CRACK: at->axis == AXIS_JUNCTION ? junction_site(n, at, s) : crack_of(n, at, s); break;
 	case KIND_THIN: ISA(thin_site)(n, at, s); break;
 	case KIND_BAND:

@@ -10,6 +10,8 @@
 /* A jump in depth of this share, beyond what both sides explain, is one: where an edge of depth has half its strength.
  */
 static const float least_jump = 0.0065f;
+/* Px by which an outline lies before what is behind it, at least. */
+static const float least_gap = 6;
 /* Links each way over which an outline goes on. */
 enum { BRIDGE = 24 };
 
@@ -63,7 +65,7 @@ static enum line shape_of(const frame *f, const found *at, enum source source)
 static bool is_outline(const frame *f, const site *s)
 {
 	enum source source = (enum source)s->placed.source;
-	return (source == SOURCE_OBJECT || source == SOURCE_DEPTH) && s->found.family != FAMILY_THIN &&
+	return (source == SOURCE_OBJECT || source == SOURCE_DEPTH) && s->found.family != FAMILY_THIN && !is_chain(s) &&
 	       shape_of(f, &s->found, source) == LINE_OUTLINE;
 }
 
@@ -108,12 +110,32 @@ static bool goes_on(const frame *f, uint32_t i)
 	return sides == 2;
 }
 
+/* Likewise of a line that chains tell: what it bounds touches what is behind, or lies before it. */
+static enum line chain_line(const fine *n, const site *s)
+{
+	const chain_site *of = chain_of(n, s);
+	switch ((enum source)s->placed.source) {
+	case SOURCE_OBJECT:
+	case SOURCE_DEPTH:
+		if (of->folded)
+			return LINE_INNER;
+		return (of->kind & (ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER)) && of->gap > least_gap * n->f->scale
+			       ? LINE_OUTLINE
+			       : LINE_CONTACT;
+	case SOURCE_NORMAL: return of->kind & ENCRE_CHAIN_MEET ? LINE_INTERSECTION : LINE_CREASE;
+	case SOURCE_MATERIAL: return LINE_MATERIAL;
+	default: return LINE_MARK;
+	}
+}
+
 enum line ISA(line_of)(const frame *f, const site *s)
 {
 	const fine *n = f->fine;
 	uint32_t i = told_by(n, (uint32_t)(s - n->site));
 	enum line shape;
 	s = n->site + i;
+	if (is_chain(s))
+		return chain_line(n, s);
 	switch ((enum source)s->placed.source) {
 	case SOURCE_OBJECT:
 	case SOURCE_DEPTH:

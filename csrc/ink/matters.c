@@ -30,7 +30,7 @@ typedef struct chances {
 /* Which share of the way to what lies behind there is nothing; what bounds a thing matters more than gaps in it. */
 static float stands_out(const frame *f, const site *s)
 {
-	if (s->found.family == FAMILY_MARK)
+	if (is_by_hand(f->fine, s))
 		return 1;
 	if (rank_of(s) != RANK_SHAPE)
 		return 0;

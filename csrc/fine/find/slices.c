@@ -111,7 +111,7 @@ static bool slice_of(const fine *n, int axis, int across, int first, int count, 
 static bool cracked(const fine *n, int axis, int across, int at)
 {
 	ptrdiff_t i = axis ? (ptrdiff_t)at * n->f->width + across : (ptrdiff_t)across * n->f->width + at;
-	return n->crack[i] & CRACK_RIGHT << axis;
+	return n->mixed[i] & CRACK_RIGHT << axis;
 }
 
 /* Where a contour passes from a pixel to the next, 0 < place <= 1; 0: that is not known. */

@@ -157,6 +157,8 @@ static bool may_be_weak(const fine *n, const found *at, const placed *s)
 static bool weigh(const fine *n, const found *at, placed *s, int style, float strength)
 {
 	const family_info *is = families + at->family;
+	if (is->sample == SOURCE_NORMAL && n->replaced && n->replaced[(ptrdiff_t)at->row * n->f->width + at->column])
+		return ISA(fine_weigh_by)(n, s, n->e->bump[style], SOURCE_NORMAL, strength);
 	if (is->sample == SOURCE_NORMAL && n->e->creases)
 		return ISA(fine_weigh_by)(n, s, ISA(crease_weight)(n, at->column, at->row, style), SOURCE_NORMAL,
 					  strength);

@@ -128,14 +128,14 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 		memset(hit, 0, (size_t)n->spans);
 		for (int x = 0; marks && x < f->width; x++)
 			if (max(between_place(marks[2 * x]), between_place(marks[2 * x + 1])) >= 0)
-				hit[x / THIN_SPAN] |= HIT_DEPTH;
+				hit[x / THIN_SPAN] |= n->replaced ? 0 : HIT_DEPTH;
 		for (int x = 0; x < f->width; x++) {
 			slice s;
 			if (x % 8 == 0 && none_ahead(n, x, y)) {
 				x += 7;
 				continue;
 			}
-			if (!mixed_at(n, x, y) ||
+			if (!mixed_at(n, x, y) || (n->replaced && n->replaced[(ptrdiff_t)y * f->width + x]) ||
 			    !(ISA(slice_at)(n, AXIS_ROW, y, x, &s) || ISA(slice_at)(n, AXIS_COLUMN, x, y, &s)))
 				continue;
 			hit[x / THIN_SPAN] |= s.ground == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;

@@ -25,7 +25,7 @@ int32_t ISA(fine_cut_spurs)(fine *n)
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		if (!ISA(leads_nowhere)(n, i))
+		if (is_chain(n->site + i) || !ISA(leads_nowhere)(n, i))
 			continue;
 		float longest = rank_of(n->site + i) == RANK_SHAPE ? longest_stub : longest_spur;
 		uint32_t first = n->to[n->at[i]], from = i, at = first, next;
@@ -59,8 +59,10 @@ static bool bounds_thing(const frame *f, const found *at)
  * jump within a thing that of ground at a grazing angle. */
 static bool is_meant(const fine *n, const site *s)
 {
+	if (is_chain(s))
+		return (rank_of(s) == RANK_SHAPE && !chain_of(n, s)->folded) || is_by_hand(n, s);
 	return (rank_of(s) == RANK_SHAPE && !s->placed.told && bounds_thing(n->f, &s->found)) ||
-	       s->found.family == FAMILY_MARK;
+	       is_by_hand(n, s);
 }
 
 static float least_length(const frame *f, const site *s)
@@ -124,11 +126,16 @@ static void drop_ring(const fine *n, uint32_t i)
 
 /* How far from one site to the next; of an edge of a mesh as if it were as wide as others, for the little that is left
  * of one beside an outline is a speck. */
+static bool bends_only(const site *s)
+{
+	return s->found.family == FAMILY_CREASE || s->found.family == FAMILY_CHAIN_CREASE;
+}
+
 static float inked(const fine *n, uint32_t i, uint32_t j)
 {
 	const site *s = n->site + i, *t = n->site + j;
 	float left = 1;
-	if (s->found.family == FAMILY_CREASE && t->found.family == FAMILY_CREASE)
+	if (bends_only(s) && bends_only(t))
 		left -= (float)(s->placed.eased + t->placed.eased) / 510;
 	return left * sqrtf(apart2(s, t));
 }

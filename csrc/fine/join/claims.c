@@ -211,7 +211,7 @@ int32_t ISA(fine_claim)(fine *n)
 	for (int k = 0; !code && k < FAMILY_COUNT; k++) {
 		turn t = {.n = n, .is = families + k, .first = n->first[k * n->f->height]};
 		t.count = n->first[(k + 1) * n->f->height] - t.first;
-		if (t.is->rank > RANK_SHAPE)
+		if (t.is->rank > RANK_SHAPE && t.is->kind != KIND_CHAIN)
 			code = bands_run(n->f->bands, (int)t.count, CHUNK, clear_sites, &t);
 		if (!code && t.is->faint)
 			code = drop_weak(&t);

@@ -31,6 +31,7 @@ typedef struct chain {
 	float wiggle;      /* variance of the sines of half the angles by which it turns, pixel by pixel */
 	int loose;         /* how many of its ends lead nowhere */
 	bool closed, edge; /* edge: of a mesh, all of it */
+	bool chain;        /* some of it comes from chains of edges, and stays */
 } chain;
 
 static const uint32_t NONE = UINT32_MAX; /* an enumerator is an int */
@@ -121,7 +122,8 @@ static void add(beside *b, uint32_t first, uint32_t second)
 		b->chain[at] = b->count;
 		c.edge &= n->site[at].found.family == FAMILY_CREASE;
 		/* what is drawn by hand is meant */
-		int rank = n->site[at].found.family == FAMILY_MARK ? RANK_SHAPE : rank_of(n->site + at);
+		c.chain |= is_chain(n->site + at);
+		int rank = is_by_hand(n, n->site + at) ? RANK_SHAPE : rank_of(n->site + at);
 		c.rank = rank < c.rank ? rank : c.rank;
 	}
 	c.loose += ISA(leads_nowhere)(n, last);
@@ -220,6 +222,8 @@ static float left_of_wiggle(const chain *c)
 static void choose(beside *b, const chain *c)
 {
 	const fine *n = b->n;
+	if (c->chain)
+		return;
 	float left = left_of_wiggle(c);
 	/* light and edges of meshes thin out beside what is older (rooms.c) */
 	bool drop = c->rank != RANK_LIGHT && !c->edge && c->loose && length_beside(b, c) > most_beside * c->length;

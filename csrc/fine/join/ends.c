@@ -330,7 +330,7 @@ static int32_t find_ends(ends *all)
 		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		all->number[i] = is_end(n, i) ? all->count++ : UINT32_MAX;
+		all->number[i] = is_end(n, i) && !is_chain(n->site + i) ? all->count++ : UINT32_MAX;
 	}
 	size_t cells = (size_t)n->across * (size_t)n->tall;
 	all->end = late_take(&n->f->late, all->count, sizeof *all->end);

@@ -22,7 +22,7 @@ static bool way_by(const fine *n, uint32_t i, uint32_t first, way *w)
 		w->to = at;
 		if (links_at(n, at) != 2)
 			return at != i;
-		if (n->site[at].linked.dropped || n->site[at].placed.thin > 0)
+		if (n->site[at].linked.dropped || n->site[at].placed.thin > 0 || is_chain(n->site + at))
 			return false;
 		from = at;
 		at = next;
@@ -58,7 +58,7 @@ int32_t ISA(fine_close_eyes)(fine *n)
 	bool any = false;
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
-		if (!n->site[i].linked.dropped && links_at(n, i) > 2)
+		if (!n->site[i].linked.dropped && !is_chain(n->site + i) && links_at(n, i) > 2)
 			any |= drop_longer(n, i);
 	}
 	return code || !any ? code : ISA(fine_unlink_dropped)(n);

@@ -209,7 +209,7 @@ static int ridge_links(const fine *n, uint32_t i, uint32_t *to)
 static int links_of(const fine *n, fingers *f, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
-	return s->linked.dropped ? 0 : is_crack(s->found.family) ? crack_links(n, f, i, to) : ridge_links(n, i, to);
+	return s->linked.dropped || is_chain(s) ? 0 : is_crack(s->found.family) ? crack_links(n, f, i, to) : ridge_links(n, i, to);
 }
 
 /* ---- all links ------------------------------------------------------------------------------------------- */
@@ -275,7 +275,7 @@ static void find_even(void *data, int first, int end, int thread)
 		const site *s = n->site + i;
 		m->moved[i][0] = s->placed.x;
 		m->moved[i][1] = s->placed.y;
-		if (s->linked.dropped || links_at(n, i) != 2 || ends_fill(s))
+		if (s->linked.dropped || is_chain(s) || links_at(n, i) != 2 || ends_fill(s))
 			continue;
 		const site *a = n->site + n->to[n->at[i]], *b = n->site + n->to[n->at[i] + 1];
 		float dx = b->placed.x - a->placed.x, dy = b->placed.y - a->placed.y, square = dx * dx + dy * dy;

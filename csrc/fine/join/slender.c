@@ -336,7 +336,7 @@ static void set_bounds(void *data, int first, int end, int thread)
 	const slender *w = data;
 	for (int i = first; i < end && !stopped_at(w->n, i); i++) {
 		linked *s = &w->n->site[i].linked;
-		if (s->dropped || rank_of(w->n->site + i) != RANK_SHAPE)
+		if (s->dropped || is_chain(w->n->site + i) || rank_of(w->n->site + i) != RANK_SHAPE)
 			continue;
 		bound b = closed(w, (uint32_t)i);
 		s->crowd = max(s->crowd, b.crowd);

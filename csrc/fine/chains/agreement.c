@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where the layers show something else than the meshes: a surface that was displaced, smoke before it. There its lines
+ * are found in the layers. It is decided along whole stretches, so that it does not change from frame to frame. */
+#include "fine/chains/stations.h"
+
+/* Of the depth, by which that of the layers may differ; pixels along the run each way that decide, and of those that
+ * can tell the share that must agree. */
+static const float depth_differs = 0.03f, decides = 24, least_agreeing = 0.3f;
+/* Px: what is thinner may lie between the centres of pixels, and the layers can't tell. */
+static const float too_thin = 2;
+
+static bool shows(const frame *f, int x, int y, const station *t)
+{
+	if (x < 0 || y < 0 || x >= f->width || y >= f->height)
+		return false;
+	bool own = !f->layer[ENCRE_LAYER_OBJECT].data || object_at(f, x, y) == (float)t->object;
+	return own && fabsf(depth_at(f, x, y) - t->depth) <= depth_differs * fabsf(t->depth);
+}
+
+static void compare(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const stations *s = data;
+	const frame *f = s->n->f;
+	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
+		station *t = s->at + i;
+		double x = t->x - f->place.x, y = t->y - f->place.y;
+		bool inside = x >= 0 && y >= 0 && x <= f->width - 1 && y <= f->height - 1;
+		bool thin = t->importance == IMPORTANCE_CONTOUR && t->apart < max(too_thin * f->scale, 2);
+		t->tells = inside && !thin && !(t->flags & STATION_NONE) && !(t->kind & ENCRE_CHAIN_MARK);
+		t->agrees = false;
+		int px = pixel_of((float)x, f->width), py = pixel_of((float)y, f->height);
+		for (int k = 0; t->tells && k < 9 && !t->agrees; k++)
+			t->agrees = shows(f, px + k % 3 - 1, py + k / 3 - 1, t);
+	}
+}
+
+static void hide(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const stations *s = data;
+	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
+		uint32_t from = s->first[i], last = s->first[i + 1], low = from, high = from;
+		int tell = 0, agree = 0;
+		for (uint32_t a = from; a < last; a++) {
+			for (; high < last && s->at[high].s - s->at[a].s <= decides; high++) {
+				tell += s->at[high].tells;
+				agree += s->at[high].agrees;
+			}
+			for (; s->at[a].s - s->at[low].s > decides; low++) {
+				tell -= s->at[low].tells;
+				agree -= s->at[low].agrees;
+			}
+			if ((float)agree < least_agreeing * (float)tell)
+				s->at[a].flags |= STATION_HIDDEN;
+		}
+	}
+}
+
+int32_t ISA(stations_compare)(stations *s)
+{
+	int32_t code = bands_run(s->n->f->bands, (int)s->count, STATION_CHUNK, compare, s);
+	return code ? code : bands_run(s->n->f->bands, s->runs, RUN_CHUNK, hide, s);
+}

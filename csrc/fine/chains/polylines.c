@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From stations to sites and links between them: finished lines, which later passes leave alone and all others yield
+ * to. */
+#include "fine/chains/stations.h"
+
+#include <string.h>
+
+static const float least_keep = 0.02f; /* of a width: less is not seen */
+static const float beyond_frame = 12;  /* pixels beside the image where lines still reach into it */
+/* Pixels from the end of a run to the line that it meets; what is nearer lies at one place. */
+static const float tie_reach = 1, one_place = 0.03f;
+static const float own_run = 4; /* pixels along a run that do not count as another line */
+
+static const uint32_t no_site = UINT32_MAX;
+
+/* ---- sites ----------------------------------------------------------------------------------------------- */
+
+static bool is_shape(const station *t)
+{
+	return t->importance == IMPORTANCE_CONTOUR || (t->kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER));
+}
+
+static bool has_site(const stations *s, const station *t)
+{
+	const frame *f = s->n->f;
+	double x = t->x - f->place.x, y = t->y - f->place.y, far = (double)beyond_frame;
+	return is_drawn(t) && t->keep > least_keep && x > -far && y > -far && x < f->width - 1 + far &&
+	       y < f->height - 1 + far;
+}
+
+static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
+{
+	const station *t = s->at + i;
+	const frame *f = s->n->f;
+	float x = (float)(t->x - f->place.x), y = (float)(t->y - f->place.y), radius = ISA(station_radius)(s, t);
+	bool row = fabsf(t->dy) > fabsf(t->dx); /* the line crosses it */
+	*made = (site){
+		.found = {.column = (uint16_t)(row ? clamp_index((int)floorf(x), f->width) : pixel_of(x, f->width)),
+			  .row = (uint16_t)(row ? pixel_of(y, f->height) : clamp_index((int)floorf(y), f->height)),
+			  .family = is_shape(t) ? FAMILY_CHAIN_SHAPE : FAMILY_CHAIN_CREASE,
+			  .axis = row ? AXIS_ROW : AXIS_COLUMN},
+		.placed = {.x = x,
+			   .y = y,
+			   .strength = t->strength,
+			   .near_x = t->near_x,
+			   .near_y = t->near_y,
+			   .source = t->source & 127,
+			   .eased = (uint8_t)(255 * (1 - min(t->keep, 1)) + 0.5f)},
+		.linked = {.crowd = radius < INFINITY ? 1 / radius : 0},
+	};
+	*of = (chain_site){.run = t->run,
+			   .s = t->s,
+			   .mesh = t->mesh,
+			   .edge = t->edge,
+			   .along = t->along,
+			   .gap = t->gap,
+			   .kind = t->kind,
+			   .folded = t->importance == IMPORTANCE_CONTOUR && is_folded(t),
+			   .tied = (t->flags & STATION_TIED) != 0};
+}
+
+/* Of two sites, or of one and none. */
+static void add_link(fine *n, uint32_t a, uint32_t b)
+{
+	if (a == no_site || b == no_site || a == b)
+		return;
+	n->chain_link[n->chain_links][0] = a;
+	n->chain_link[n->chain_links++][1] = b;
+}
+
+static int32_t make_sites(stations *s)
+{
+	fine *n = s->n;
+	uint32_t *number = late_take(&n->f->late, s->count, sizeof *number), shapes = 0, creases = 0;
+	if (!number)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < s->count; i++) {
+		code = at_step(n, i);
+		number[i] = !has_site(s, s->at + i) ? no_site : is_shape(s->at + i) ? shapes++ : creases++;
+	}
+	if (code)
+		return code;
+	n->chains[0] = shapes;
+	n->chains[1] = creases;
+	n->chain_made = late_take(&n->f->late, shapes + creases, sizeof *n->chain_made);
+	n->chain = late_take(&n->f->late, shapes + creases, sizeof *n->chain);
+	n->chain_link = late_take(&n->f->late, 2 * ((size_t)shapes + creases), sizeof *n->chain_link);
+	if (!n->chain_made || !n->chain || !n->chain_link)
+		return ENCRE_ERROR_MEMORY;
+	for (uint32_t i = 0; !code && i < s->count; i++) {
+		code = at_step(n, i);
+		if (number[i] == no_site)
+			continue;
+		number[i] += is_shape(s->at + i) ? 0 : shapes;
+		make_site(s, i, n->chain_made + number[i], n->chain + number[i]);
+		if (i && !(s->at[i].flags & STATION_FIRST))
+			add_link(n, number[i - 1], number[i]);
+	}
+	for (int32_t i = 0; !code && i < s->runs; i++)
+		if (s->first[i] < s->first[i + 1] && (s->at[s->first[i]].flags & STATION_CLOSED) &&
+		    s->first[i + 1] - s->first[i] > 2)
+			add_link(n, number[s->first[i]], number[s->first[i + 1] - 1]);
+	late_drop(&n->f->late, number);
+	return code;
+}
+
+int32_t ISA(chains_find)(fine *n)
+{
+	stations s = {.n = n,
+		      .px = room_px(n, 1),
+		      .point = n->f->chains,
+		      .points = n->f->n_chains};
+	int32_t code = ISA(stations_make)(&s);
+	if (code)
+		return code;
+	s.mean = late_take(&n->f->late, s.count, sizeof *s.mean);
+	if (!s.mean)
+		return ENCRE_ERROR_MEMORY;
+	code = ISA(stations_sort)(&s);
+	code = code ? code : ISA(stations_measure)(&s);
+	code = code ? code : ISA(stations_compare)(&s);
+	code = code ? code : ISA(stations_thin_out)(&s);
+	code = code ? code : ISA(stations_give_way)(&s);
+	code = code ? code : ISA(stations_drop_fragments)(&s);
+	code = code ? code : make_sites(&s);
+	code = code ? code : ISA(chains_replace)(&s);
+	late_drop(&n->f->late, s.mean);
+	late_drop(&n->f->late, s.grid.member);
+	late_drop(&n->f->late, s.grid.count);
+	late_drop(&n->f->late, s.grid.first);
+	late_drop(&n->f->late, s.at);
+	late_drop(&n->f->late, s.first);
+	late_drop(&n->f->late, s.run);
+	return code;
+}
+
+/* ---- links ----------------------------------------------------------------------------------------------- */
+
+/* What the end of a run meets: the nearest site of another; of those at its own place the first. */
+static uint32_t met_by(const fine *n, uint32_t i)
+{
+	const site *s = n->site + i;
+	const chain_site *own = n->chain + i;
+	uint32_t best = no_site;
+	float least = tie_reach * tie_reach;
+	near_sites of = near_site(n, s, tie_reach);
+	for (uint32_t j; near_next(n, &of, &j);) {
+		float d2 = apart2(s, n->site + j);
+		if (j == i || !is_chain(n->site + j) || !(d2 < least) ||
+		    (n->chain[j].run == own->run && fabsf(n->chain[j].s - own->s) < own_run))
+			continue;
+		best = j;
+		least = d2 < one_place * one_place ? 0 : d2;
+	}
+	return best;
+}
+
+int32_t ISA(chains_link)(fine *n)
+{
+	uint32_t count = n->chains[0] + n->chains[1], links = n->chain_links;
+	uint32_t *met = late_take(&n->f->late, count, sizeof *met);
+	if (!met)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < count; i++) {
+		code = at_step(n, i);
+		met[i] = n->chain[i].tied ? met_by(n, i) : no_site;
+	}
+	/* what lies at one place is one site */
+	for (uint32_t i = 0; !code && i < count; i++) {
+		bool same = met[i] != no_site && apart2(n->site + i, n->site + met[i]) < one_place * one_place;
+		n->site[i].linked.dropped = same && met[i] < i;
+		if (met[i] != no_site && !same && n->chain_links < 2 * count)
+			add_link(n, i, met[i]);
+	}
+	for (uint32_t k = 0; !code && k < n->chain_links; k++)
+		for (int e = 0; e < 2; e++) {
+			uint32_t *to = &n->chain_link[k][e];
+			while (n->site[*to].linked.dropped)
+				*to = met[*to];
+		}
+	uint32_t kept = 0;
+	for (uint32_t k = 0; !code && k < n->chain_links; k++)
+		if (n->chain_link[k][0] != n->chain_link[k][1]) {
+			memmove(n->chain_link[kept], n->chain_link[k], sizeof *n->chain_link);
+			kept++;
+		}
+	if (!code)
+		code = ISA(fine_add_links)(n, n->chain_link, kept);
+	n->chain_links = links;
+	late_drop(&n->f->late, met);
+	return code;
+}

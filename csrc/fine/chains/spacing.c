@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How far lines lie from each other: stations by cells, how thin the things are that contours bound, and how much of
+ * lines is left where many lie close. */
+#include "fine/chains/stations.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Px from side to side of a cell, and stations in one for each px: more lines than could be told apart. */
+static const float cell_side = 2;
+enum { MOST_OF_CELL = 24, MARGIN = 88 /* pixels beyond the image where chains go on */, ROWS = 8 };
+
+/* ---- cells ----------------------------------------------------------------------------------------------- */
+
+/* What is told of a station when a cell has too many. */
+typedef struct member {
+	float depth, along;
+	int32_t mesh, edge;
+	uint32_t station;
+	uint8_t importance;
+} member;
+
+static int by_importance(const void *a, const void *b)
+{
+	const member *p = a, *q = b;
+	int by = q->importance - p->importance;
+	by = by ? by : order(p->depth, q->depth);
+	by = by ? by : (p->mesh > q->mesh) - (p->mesh < q->mesh);
+	by = by ? by : (p->edge > q->edge) - (p->edge < q->edge);
+	by = by ? by : order(p->along, q->along);
+	return by ? by : order_of(p->station, q->station);
+}
+
+typedef struct choosing {
+	stations *s;
+	member *list; /* by thread */
+	uint32_t room;
+} choosing;
+
+/* Leaves in each cell the most important ones. */
+static void choose_members(void *data, int first, int end, int thread)
+{
+	const choosing *c = data;
+	const stations *s = c->s;
+	const station_grid *g = &s->grid;
+	member *list = c->list + (size_t)thread * c->room;
+	for (int row = first; row < end && !bands_stopped(s->n->f->bands); row++)
+		for (size_t cell = (size_t)row * (size_t)g->across; cell < ((size_t)row + 1) * (size_t)g->across;
+		     cell++) {
+			uint32_t *own = g->member + g->first[cell], count = g->count[cell];
+			if (count <= g->most)
+				continue;
+			for (uint32_t k = 0; k < count; k++) {
+				const station *t = s->at + own[k];
+				list[k] = (member){t->depth, t->along, t->mesh, t->edge, own[k], t->importance};
+			}
+			qsort(list, count, sizeof *list, by_importance);
+			for (uint32_t k = 0; k < g->most; k++)
+				own[k] = list[k].station;
+			g->count[cell] = g->most;
+		}
+}
+
+static size_t cell_at(const station_grid *g, const station *t)
+{
+	return (size_t)grid_index(t->y, g->y, g->cell, g->tall) * (size_t)g->across +
+	       (size_t)grid_index(t->x, g->x, g->cell, g->across);
+}
+
+static bool is_member(const station *t)
+{
+	return is_drawn(t) && !(t->flags & STATION_ADDED);
+}
+
+int32_t ISA(stations_sort)(stations *s)
+{
+	fine *n = s->n;
+	station_grid *g = &s->grid;
+	const encre_frame *f = &n->f->place;
+	g->cell = cell_side * s->px;
+	g->most = (uint32_t)(MOST_OF_CELL * s->px);
+	double cell = (double)g->cell;
+	g->x = cell * floor((f->x - MARGIN) / cell);
+	g->y = cell * floor((f->y - MARGIN) / cell);
+	g->across = (int)((f->x + n->f->width + MARGIN - g->x) / cell) + 1;
+	g->tall = (int)((f->y + n->f->height + MARGIN - g->y) / cell) + 1;
+	size_t cells = (size_t)g->across * (size_t)g->tall;
+	g->first = late_take(&n->f->late, cells, sizeof *g->first);
+	g->count = late_take(&n->f->late, cells, sizeof *g->count);
+	g->member = late_take(&n->f->late, s->count, sizeof *g->member);
+	if (!g->first || !g->count || !g->member)
+		return ENCRE_ERROR_MEMORY;
+	memset(g->count, 0, cells * sizeof *g->count);
+	int32_t code = ENCRE_OK;
+	for (uint32_t i = 0; !code && i < s->count; i++) {
+		code = at_step(n, i);
+		if (is_member(s->at + i))
+			g->count[cell_at(g, s->at + i)]++;
+	}
+	uint32_t sum = 0, most = 0;
+	for (size_t k = 0; k < cells; k++) {
+		g->first[k] = sum;
+		sum += g->count[k];
+		most = g->count[k] > most ? g->count[k] : most;
+		g->count[k] = 0;
+	}
+	for (uint32_t i = 0; !code && i < s->count; i++) {
+		code = at_step(n, i);
+		if (!is_member(s->at + i))
+			continue;
+		size_t own = cell_at(g, s->at + i);
+		g->member[g->first[own] + g->count[own]++] = i;
+	}
+	if (code || most <= g->most)
+		return code;
+	choosing c = {s, late_take(&n->f->late, (size_t)bands_threads(n->f->bands) * most, sizeof *c.list), most};
+	if (!c.list)
+		return ENCRE_ERROR_MEMORY;
+	code = bands_run(n->f->bands, g->tall, ROWS, choose_members, &c);
+	late_drop(&n->f->late, c.list);
+	return code;
+}
+
+/* ---- thin things ----------------------------------------------------------------------------------------- */
+
+/* Px. What is wider is no thin thing. */
+static const float widest = 24;
+static const float abreast = 0.8f;              /* pixels along the way by which both contours may lie apart */
+static const float parted = 0.5f, beside = 0.8f; /* cosines of contours that have nothing to do with each other, and
+						    that run along each other */
+static const float even_least = 9, even_mean = 10; /* px along the run over which it is evened */
+
+/* Takes what lies across from a contour in the cells about a place. */
+static void look_across(const stations *s, station *t, double x, double y, const float in[2], float most)
+{
+	station_walk w = stations_near(&s->grid, x, y, abreast);
+	for (uint32_t j; station_next(&s->grid, &w, &j);) {
+		const station *o = s->at + j;
+		if (o->importance != IMPORTANCE_CONTOUR || !o->side || o->object != t->object)
+			continue;
+		float ex = (float)(o->x - t->x), ey = (float)(o->y - t->y), across = ex * in[0] + ey * in[1];
+		if (fabsf(ex * t->dx + ey * t->dy) > abreast || across < 0.3f || across >= t->apart)
+			continue;
+		float dot = t->dx * o->dx + t->dy * o->dy, cosine = fabsf(dot);
+		if (cosine < parted || (dot > 0 ? 1 : -1) * o->side * t->side > 0)
+			continue;
+		t->apart = mix(most, across, clamp01((cosine - parted) / (beside - parted)));
+	}
+}
+
+static void measure_stations(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const stations *s = data;
+	float most = widest * s->n->f->scale;
+	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
+		station *t = s->at + i;
+		t->apart = most;
+		if (!is_drawn(t) || t->importance != IMPORTANCE_CONTOUR || !t->side)
+			continue;
+		float in[2] = {-t->dy * t->side, t->dx * t->side};
+		for (float far = 0.5f; far <= most && far < t->apart + 1; far += s->grid.cell)
+			look_across(s, t, t->x + (double)(far * in[0]), t->y + (double)(far * in[1]), in, most);
+	}
+}
+
+/* Round a corner as on both sides of it. */
+static void even_least_apart(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const stations *s = data;
+	float reach = even_least * s->n->f->scale;
+	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
+		uint32_t from = s->first[i], last = s->first[i + 1];
+		for (uint32_t a = from; a < last; a++) {
+			float least = s->at[a].apart;
+			for (uint32_t b = a; b-- > from && s->at[a].s - s->at[b].s < reach && is_drawn(s->at + b);)
+				least = min(least, s->at[b].apart);
+			for (uint32_t b = a + 1; b < last && s->at[b].s - s->at[a].s < reach && is_drawn(s->at + b); b++)
+				least = min(least, s->at[b].apart);
+			s->mean[a] = least;
+		}
+		for (uint32_t a = from; a < last; a++)
+			s->at[a].apart = s->mean[a];
+		for (uint32_t a = from; a < last; a++)
+			s->mean[a] = ISA(station_mean)(s, a, from, last, even_mean * s->n->f->scale, STATION_APART);
+		for (uint32_t a = from; a < last; a++)
+			s->at[a].apart = s->mean[a];
+	}
+}
+
+int32_t ISA(stations_measure)(stations *s)
+{
+	int32_t code = bands_run(s->n->f->bands, (int)s->count, STATION_CHUNK, measure_stations, s);
+	return code ? code : bands_run(s->n->f->bands, s->runs, RUN_CHUNK, even_least_apart, s);
+}
+
+float ISA(station_radius)(const stations *s, const station *t)
+{
+	const float share = 0.25f, least = 1.25f, least_pixels = 0.5f;
+	float unit = s->n->f->scale, far = t->apart / (widest * unit);
+	far *= far;
+	far *= far;
+	return far > 0.999f ? INFINITY : max(share * t->apart / (1 - far), max(least * unit, least_pixels));
+}
+
+/* ---- crowds ---------------------------------------------------------------------------------------------- */
+
+/* Px across over which lines are counted, how far they lie apart where they begin to get thinner, and at least so much
+ * of them is left. */
+static const float counted = 6, full_apart = 2.4f, least_left = 0.2f;
+static const float counted_along = 0.375f, same_line = 0.1f, level = 0.9f; /* pixels; pixels; a cosine */
+
+static void thin_out(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const stations *s = data;
+	float reach = counted * s->px;
+	/* fewer stations than two lines have in all of these cells */
+	uint32_t few = (uint32_t)(2 * 2 * (reach + s->grid.cell) / station_step);
+	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
+		station *t = s->at + i;
+		uint32_t all = 0;
+		if (!is_drawn(t))
+			continue;
+		station_walk w = stations_near(&s->grid, t->x, t->y, reach);
+		for (int row = w.row; row <= w.last; row++)
+			for (int x = w.x0; x <= w.x1; x++)
+				all += s->grid.count[(size_t)row * (size_t)s->grid.across + (size_t)x];
+		if (all < few)
+			continue;
+		int count = 1;
+		for (uint32_t j; station_next(&s->grid, &w, &j);) {
+			const station *o = s->at + j;
+			float ex = (float)(o->x - t->x), ey = (float)(o->y - t->y),
+			      across = fabsf(ey * t->dx - ex * t->dy);
+			count += fabsf(ex * t->dx + ey * t->dy) < counted_along && across > same_line &&
+				 across < reach && fabsf(t->dx * o->dx + t->dy * o->dy) > level;
+		}
+		t->solid *= min(max(2 * counted / (float)count / full_apart, least_left), 1);
+	}
+}
+
+int32_t ISA(stations_thin_out)(stations *s)
+{
+	return bands_run(s->n->f->bands, (int)s->count, STATION_CHUNK, thin_out, s);
+}

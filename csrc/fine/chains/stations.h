@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Places along chains of mesh edges, on which it is decided what of them is a line and how wide. */
+#ifndef ENCRE_STATIONS_H
+#define ENCRE_STATIONS_H
+
+#include "fine/near.h"
+
+/* Of two lines that lie close the more important one stays: a boundary is one of numbers, or where surfaces pass through
+ * each other. */
+enum importance { IMPORTANCE_CREASE, IMPORTANCE_BOUNDARY, IMPORTANCE_MARK, IMPORTANCE_CONTOUR };
+
+/* What is true of a station. */
+enum {
+	STATION_NONE = 1,    /* it is no line: it bends too little, or its style draws none */
+	STATION_WEAK = 2,    /* it is one only where it goes on from one that is not weak */
+	STATION_ADDED = 4,   /* a corner or an end, between those that lie evenly: it counts for no other line */
+	STATION_HIDDEN = 8,  /* the layers show something else there */
+	STATION_FIRST = 16,  /* of its run */
+	STATION_LAST = 32,
+	STATION_CLOSED = 64, /* the first or last of a run that goes round */
+	STATION_TIED = 128,  /* the first or last, where the run meets others */
+};
+
+typedef struct station {
+	double x, y;             /* pixels of the full frame */
+	float dx, dy;            /* the way of its run, of length 1 */
+	float s;                 /* pixels along the run */
+	float depth, bend, gap, along, fade;
+	float growth;            /* 0..1: what bends hardly more than asked is thinner */
+	float solid;             /* likewise, for all reasons but other lines */
+	float keep;              /* 0..1: what is left of its width */
+	float apart;             /* pixels to the other contour of the thing that it bounds */
+	float strength;
+	int32_t mesh, edge, object, behind, run, kind;
+	uint16_t near_x, near_y; /* of the image: where it takes its controls */
+	int8_t side;
+	uint8_t importance, source, flags;
+	bool agrees, tells;      /* the layers show what it is of; whether they can tell */
+} station;
+
+/* Pixels from station to station. */
+static const float station_step = 0.75f;
+
+/* Stations by square cells of the full frame, so that a part of it has the same ones; in each at most so many, the most
+ * important ones. */
+typedef struct station_grid {
+	int across, tall;
+	float cell;  /* pixels */
+	double x, y; /* of the first cell, in the full frame */
+	uint32_t most;
+	uint32_t *first, *member; /* member[first[i]] to member[first[i] + count[i] - 1] */
+	uint32_t *count;
+} station_grid;
+
+typedef struct stations {
+	fine *n;
+	float px; /* pixels of a px */
+	const encre_chain_point *point;
+	int64_t points;
+	int32_t runs;
+	int64_t *run;    /* by run, and one more: its first point */
+	uint32_t *first; /* likewise: its first station */
+	uint32_t count;
+	station *at;
+	station_grid grid;
+	float *mean; /* scratch, by station */
+} stations;
+
+/* Called for runs or stations, a band at a time. */
+enum { RUN_CHUNK = 16, STATION_CHUNK = 512 };
+
+/* stations.c: finds all, and what each would be by itself. */
+int32_t ISA(stations_make)(stations *s);
+/* agreement.c: finds those at which the layers show something else, along whole stretches. */
+int32_t ISA(stations_compare)(stations *s);
+/* spacing.c: the grid; how thin things are; and how much of lines is left where many lie close. */
+int32_t ISA(stations_sort)(stations *s);
+int32_t ISA(stations_measure)(stations *s);
+int32_t ISA(stations_thin_out)(stations *s);
+/* Half the width that a line of a thin thing may have. */
+float ISA(station_radius)(const stations *s, const station *t);
+/* inhibitor.c: what gives way to lines beside it; and the mean of a value along a run, whose stations these are, as
+ * far as it is drawn, with weights that fall to 0 `far` pixels away. */
+enum station_value { STATION_APART, STATION_KEEP };
+float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far, enum station_value value);
+int32_t ISA(stations_give_way)(stations *s);
+/* replaced.c: what pixels do not make, as chains tell it. */
+int32_t ISA(chains_replace)(stations *s);
+/* fragments.c: drops what is left and spans too little. */
+int32_t ISA(stations_drop_fragments)(stations *s);
+
+static inline bool is_drawn(const station *t)
+{
+	return !(t->flags & (STATION_NONE | STATION_HIDDEN));
+}
+
+/* Whether the same thing goes on behind the contour. */
+static inline bool is_folded(const station *t)
+{
+	return t->behind == t->object && t->side;
+}
+
+/* The cells about a place, as a walk over their stations. */
+typedef struct station_walk {
+	int row, last, x0, x1, x;
+	uint32_t i, end;
+} station_walk;
+
+static inline int grid_index(double at, double from, float cell, int count)
+{
+	int i = (int)((at - from) / (double)cell);
+	return clamp_index(i, count);
+}
+
+static inline station_walk stations_near(const station_grid *g, double x, double y, float reach)
+{
+	station_walk w = {.row = grid_index(y - (double)reach, g->y, g->cell, g->tall),
+			  .last = grid_index(y + (double)reach, g->y, g->cell, g->tall),
+			  .x0 = grid_index(x - (double)reach, g->x, g->cell, g->across),
+			  .x1 = grid_index(x + (double)reach, g->x, g->cell, g->across)};
+	w.x = w.x0;
+	return w;
+}
+
+static inline bool station_next(const station_grid *g, station_walk *w, uint32_t *station)
+{
+	while (w->i == w->end) {
+		if (w->row > w->last)
+			return false;
+		size_t cell = (size_t)w->row * (size_t)g->across + (size_t)w->x;
+		w->i = g->first[cell];
+		w->end = w->i + g->count[cell];
+		if (w->x++ == w->x1) {
+			w->x = w->x0;
+			w->row++;
+		}
+	}
+	*station = g->member[w->i++];
+	return true;
+}
+
+#endif
