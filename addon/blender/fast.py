@@ -7,7 +7,7 @@ import dataclasses
 import bpy
 import numpy as np
 
-from ..pen import abi, background, library, overlay
+from ..pen import abi, background, chains, library, overlay
 from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
@@ -176,6 +176,10 @@ class Scene:
     def _pictures(self, view, projection, frame, size, settings, clip, sharp=False):
         objects = self.objects
         wanted = ["depth", "object", "material", "style", "marks", "shading", *settings.rastered]
+        lines = None
+        if settings.wants_chains and objects.automatic:
+            known, whole = objects.chained()
+            (lines,) = yield [library.load().chains_work(known, view, projection, frame, size, *(clip or self.clip))]
         lit = np.zeros((*size[::-1], 3), np.float32) if self.shines else None
         maps, looks, diffuse, through = yield from self._front(view, projection, frame, size, wanted, clip, sharp, lit)
         instance = maps["object"].astype(np.intp)
@@ -185,6 +189,8 @@ class Scene:
         layers |= {name: maps[name] for name in ("anchor", "tangent", "card") if name in maps}
         layers["object"], layers["index"] = (of.take(instance, mode="clip")[..., None] for of in
                                                (objects.numbers, objects.owners))
+        if lines is not None:
+            layers["chains"] = chains.told(lines, objects.numbers, whole)
         if self.painted:
             layers["controls"] = np.ascontiguousarray(maps["attributes"][..., :len(library.controls())])
         yield []

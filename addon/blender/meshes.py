@@ -55,6 +55,27 @@ class Objects:
                             object=None if mesh.object is None else mesh.object[kept]))
         return out
 
+    def chained(self):
+        """(meshes whose edges tell of lines, by number of an object whether all its lines are theirs). What lets light
+        through, what Cycles moves and hair is left to the picture."""
+        whole, out = np.ones(len(self.owners), bool), []
+        odd = self.clear | self.displaced
+        for mesh, strands in zip(self.meshes, self.ribbons, strict=True):
+            if mesh.kind == "lines":
+                out.append(mesh)
+                continue
+            bad = odd[mesh.material_index] if mesh.material is None else odd[mesh.material]
+            if strands is not None or np.any(bad):
+                whole[mesh.object_index if mesh.object is None else np.unique(mesh.object)] = False
+            if strands is not None or np.all(bad):
+                continue
+            kept = slice(None) if not np.any(bad) else ~bad
+            out.append(Mesh(mesh.points, mesh.corners[kept], model=mesh.model, object_index=mesh.object_index,
+                            material_index=mesh.material_index, crease_offset=mesh.crease_offset,
+                            **{name: None if of is None else of[kept] for name, of in (
+                                ("object", mesh.object), ("material", mesh.material), ("edges", mesh.edges))}))
+        return out, whole
+
     def strays(self, index):
         """What the layer `object` says at pixels with Cycles' index, whose object the rasteriser did not draw."""
         if self.indices is not None:
@@ -169,7 +190,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
             shown.append(read)
             ribbons.append(triangles.ribbons)
             if len(triangles.marked):
-                meshes.append(Mesh(triangles.points, triangles.marked, kind="lines",
+                meshes.append(Mesh(triangles.points, triangles.marked, kind="lines", object_index=number,
                                    model=np.array(instance.matrix_world, np.float64)))
                 shown.append(None)
                 ribbons.append(None)

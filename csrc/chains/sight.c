@@ -178,7 +178,9 @@ static depth_behind behind_at(const chains *c, const line *l, double t)
 	if (!ISA(sight_nearest)(&s))
 		return (depth_behind){0, nothing_behind};
 	float gap = (float)((s.at - 1) * here.depth / pixel);
-	return (depth_behind){object_of(c->bodies[s.body].mesh, s.face), gap < far_behind ? gap : far_behind};
+	/* what lies before the contour begins there: the two are apart */
+	return (depth_behind){object_of(c->bodies[s.body].mesh, s.face),
+			      gap >= 0 && gap < far_behind ? gap : far_behind};
 }
 
 /* ---- pieces ---------------------------------------------------------------------------------------------------- */
