@@ -44,7 +44,7 @@ static probe_site opened(const site *s)
 		.row = s->found.row,
 		.near_x = s->placed.near_x,
 		.near_y = s->placed.near_y,
-		.family = s->found.family,
+		.family = s->found.family - FAMILY_CRACK, /* the twins know none of chains */
 		.axis = s->found.axis,
 		.source = s->placed.source,
 		.dropped = s->linked.dropped,
@@ -96,7 +96,7 @@ static struct {
 static site closed(const probe_site *s)
 {
 	return (site){
-		.found = {(uint16_t)s->column, (uint16_t)s->row, (uint8_t)s->family, (uint8_t)s->axis},
+		.found = {(uint16_t)s->column, (uint16_t)s->row, (uint8_t)(s->family + FAMILY_CRACK), (uint8_t)s->axis},
 		.placed = {.x = s->x,
 			   .y = s->y,
 			   .strength = s->strength,

@@ -17,7 +17,7 @@ static const uint32_t no_site = UINT32_MAX;
 
 static bool is_shape(const station *t)
 {
-	return t->importance == IMPORTANCE_CONTOUR || (t->kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER));
+	return t->source != SOURCE_NORMAL && t->source != SOURCE_MARK;
 }
 
 static bool has_site(const stations *s, const station *t)

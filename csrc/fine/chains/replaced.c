@@ -53,7 +53,7 @@ int32_t ISA(chains_replace)(stations *s)
 /* ---- cracks ---------------------------------------------------------------------------------------------- */
 
 /* Marks of the cracks between a pixel and its right or lower neighbour that come as chains. Between one whose lines do
- * and one whose don't, those of what is nearer. Materials that part within a thing do not come. */
+ * and one whose don't, those of what is nearer. */
 static int replaced_between(const fine *n, int x, int y, int axis)
 {
 	const frame *f = n->f;
@@ -61,17 +61,13 @@ static int replaced_between(const fine *n, int x, int y, int axis)
 	if (qx >= f->width || qy >= f->height)
 		return 0;
 	bool one = n->replaced[(ptrdiff_t)y * f->width + x], two = n->replaced[(ptrdiff_t)qy * f->width + qx];
-	int edges = mark_of(FAMILY_MARK, axis) | mark_of(FAMILY_CREASE, axis), crack = mark_of(FAMILY_CRACK, axis);
+	int all = mark_of(FAMILY_MARK, axis) | mark_of(FAMILY_CREASE, axis) | mark_of(FAMILY_CRACK, axis);
 	float a = depth_at(f, x, y), b = depth_at(f, qx, qy);
 	if (!one || !two) {
 		float own = one ? a : b, other = one ? b : a;
-		return one != two && own * (1 + nearer) < other ? edges | crack : 0;
+		return one != two && own * (1 + nearer) < other ? all : 0;
 	}
-	bool within = a < INFINITY && b < INFINITY && object_at(f, x, y) == object_at(f, qx, qy) &&
-		      fabsf(a - b) <= nearer * min(a, b);
-	const float *material = layer_row(f, ENCRE_LAYER_MATERIAL, y);
-	bool parts = within && material && material[x] != layer_row(f, ENCRE_LAYER_MATERIAL, qy)[qx];
-	return parts ? edges : edges | crack;
+	return all;
 }
 
 static void leave_rows(void *data, int y0, int y1, int thread)

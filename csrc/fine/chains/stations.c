@@ -232,16 +232,19 @@ static void judge(const stations *s, station *t)
 	take_controls(s, t);
 	int style = style_at(n->f, t->near_x, t->near_y), kind = t->kind;
 	const encre_params *p = n->f->params + style;
-	bool contour = kind & (ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER), edge = false;
-	bool boundary = kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER);
+	/* where a surface goes on in another one it is its bend that is seen */
+	bool flush = kind & ENCRE_CHAIN_FLUSH, contour = !flush && (kind & (ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER));
+	bool edge = false;
 	placed made = {.x = (float)(t->x - n->f->place.x), .y = (float)(t->y - n->f->place.y)};
-	float ahead = clamp01((t->gap / s->px - least_gap) / (full_gap - least_gap));
-	float bends = kind & (ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_MEET) ? growth_of(s, p, t) : -1;
+	float before = clamp01((t->gap / s->px - least_gap) / (full_gap - least_gap));
+	bool bent = flush || (kind & (ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_MEET));
+	float bends = bent ? growth_of(s, p, t) : -1;
 	bool weak = t->flags & STATION_WEAK;
-	t->importance = contour                                                       ? IMPORTANCE_CONTOUR
-			: kind & ENCRE_CHAIN_MARK                                     ? IMPORTANCE_MARK
-			: kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_MEET) ? IMPORTANCE_BOUNDARY
-									 : IMPORTANCE_CREASE;
+	bool parts = kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER | ENCRE_CHAIN_MATERIAL | ENCRE_CHAIN_MEET);
+	t->importance = contour                   ? IMPORTANCE_CONTOUR
+			: kind & ENCRE_CHAIN_MARK ? IMPORTANCE_MARK
+			: parts && !flush         ? IMPORTANCE_BOUNDARY
+						  : IMPORTANCE_CREASE;
 	t->growth = 1;
 	if (contour) {
 		bool folded = is_folded(t);
@@ -252,11 +255,12 @@ static void judge(const stations *s, station *t)
 			edge |= weigh(n, &made, style, SOURCE_OBJECT, 1);
 		if (!folded && parts_materials(s, t))
 			edge |= weigh(n, &made, style, SOURCE_MATERIAL, 1);
-		edge |= weigh(n, &made, style, SOURCE_DEPTH, folded ? ahead > 0 : ahead);
-		t->growth = folded ? max(ahead, alone ? bends : 0) : 1;
+		edge |= weigh(n, &made, style, SOURCE_DEPTH, folded ? before > 0 : before);
+		t->growth = folded ? max(before, alone ? bends : 0) : 1;
 		t->flags &= (uint8_t)~STATION_WEAK;
-	} else if (boundary) {
-		edge = weigh(n, &made, style, SOURCE_OBJECT, 1);
+	} else if (!flush && (kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER | ENCRE_CHAIN_MATERIAL))) {
+		edge = (kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER)) && weigh(n, &made, style, SOURCE_OBJECT, 1);
+		edge |= (kind & ENCRE_CHAIN_MATERIAL) && weigh(n, &made, style, SOURCE_MATERIAL, 1);
 	} else if (kind & ENCRE_CHAIN_MARK) {
 		edge = weigh(n, &made, style, SOURCE_MARK, 1);
 	}
