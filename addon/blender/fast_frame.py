@@ -111,7 +111,8 @@ class FastFrames:
                 light = np.divide(part, gloss, out=np.zeros_like(gloss), where=gloss > 0)
                 place.write(plain, name, light)
         place.write(plain, "Combined", pictures["combined"])
-        return place, {name: picture for name, picture in pictures.items() if name in library.load().layers}, plain
+        known = {*library.load().layers, "chains"}
+        return place, {name: picture for name, picture in pictures.items() if name in known}, plain
 
     def _ink(self, depsgraph, settings, read, view, place, layers, plain):
         """Draws what a view layer is asked for and writes it: {pass: picture}."""

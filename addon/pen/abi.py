@@ -200,7 +200,7 @@ class CallJob(c.Structure):
 
 MOST_LEVELS = 32  # of a texture: each halves what an int32 counts
 
-WORKS = ("render", "raster", "light", "bake", "material", "call", "chains")  # enum encre_kind; their functions are called so, too
+WORKS = ("render", "raster", "light", "bake", "material", "call", "chains")  # enum encre_kind; so are functions called
 
 
 def steps(works: Sequence[job.Work]) -> Array[Step]:

@@ -195,8 +195,11 @@ class Library:
                   empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, same: int = 0,
                   chains: Chains | None = None) -> Work:
         """The Work of draw(). same: 0, or a number that other works of these layers, and no others, have too: where
-        one context draws several one after the other, it finds their edges once."""
+        one context draws several one after the other, it finds their edges once. The lines of meshes may lie among the
+        layers, too, as `chains`."""
         job, keep = self._job(same=same), list[Any]()
+        layers = dict(layers)
+        chains = layers.pop("chains", chains)
         for i, (name, channels) in enumerate(self.layers.items()):
             a = layers.get(name)
             if a is not None:
