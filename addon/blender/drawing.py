@@ -125,6 +125,7 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
         denoiser = denoiser and (kept.nearest if at_once else
                                  functools.partial(kept.once, settings.light_scale, denoiser))
         illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
+    lines = maps.get("chains")
     images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
     material = known["material"]
     known.clear()
@@ -138,6 +139,8 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
         overlay.hide(images, caught)
         for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
             write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
+    if lines is not None:
+        images["chains"] = lines
     return images, nonfinite
 
 

@@ -177,7 +177,7 @@ class Scene:
         objects = self.objects
         wanted = ["depth", "object", "material", "style", "marks", "shading", *settings.rastered]
         lines = None
-        if settings.wants_chains and objects.automatic:
+        if settings.wants_edges and objects.automatic:
             known, whole = objects.chained()
             (lines,) = yield [library.load().chains_work(known, view, projection, frame, size, *(clip or self.clip))]
         lit = np.zeros((*size[::-1], 3), np.float32) if self.shines else None

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..pen import chains, library, metadata, saved, supersample
 from ..pen import layers as layering
-from ..pen import library, metadata, saved, supersample
 from ..pen.around import Window
 from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
@@ -57,6 +57,7 @@ class FastFrames:
     def __init__(self, engine, go_on, again=None):
         self.engine, self.go_on, self.again = engine, go_on, again
         self.stamps = {}  # view layer's name -> what its file is to say
+        self.lines = {}   # (view layer's name, view's) -> Chains that the file is to keep
 
     def render(self, depsgraph, camera, settings):
         """Renders a view layer. EncreError: the camera can't be used, or a stage fails; Cancelled."""
@@ -138,6 +139,8 @@ class FastFrames:
             where = replace(frame, x=0, y=0) if border else replace(frame, x=own.x, y=own.y)
             self.stamps[layer] = metadata.write(settings.scene, settings.styles, place.camera, where, border,
                                                 **wanted.beside(depsgraph.scene_eval, read, False))
+        if "chains" in layers and wanted.keeps(depsgraph.scene):
+            self.lines[layer, view] = chains.shrunk(layers["chains"], place.factor)
         self._write(out, place.own, layer, view)
         return out
 
@@ -150,9 +153,9 @@ class FastFrames:
 
     def after(self):
         """Says in the file what it was drawn by."""
-        stamps, self.stamps = self.stamps, {}
+        stamps, self.stamps, lines, self.lines = self.stamps, {}, self.lines, {}
         result = self.engine.get_result()
-        for fields in stamps.values():
+        for fields in (*stamps.values(), metadata.write_chains(lines)):
             for key, text in {**wanted.stamped, **fields}.items():
                 result.stamp_data_add_field(key, text)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import bpy
 
-from ..pen import around, denoise, layers, library, metadata, overlay, saved, supersample, through
+from ..pen import around, chains, denoise, layers, library, metadata, overlay, saved, supersample, through
 from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
 from . import (
@@ -205,6 +205,7 @@ class Frames:
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None
         boxes = volumes.corners(depsgraph) if denoise_other or (objects and settings.wants_edges) else ()
+        known, whole = objects.chained() if objects and objects.automatic and settings.wants_edges else (None, None)
         about = subject.read(depsgraph, camera, light)
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
@@ -221,6 +222,10 @@ class Frames:
                     len(library.controls()), wanted, threads, self._go_on)
 
             maps = objects and raster(objects.meshes, drawn if solid is None else [*drawn, "depth"])
+            lines = known and library.chains(
+                known, view, projection, supersample.frame(frame, factor),
+                (factor * place.width, factor * place.height), camera.data.clip_start, camera.data.clip_end,
+                threads=threads, progress=self._go_on)
             clear = None if solid is None else through.find(maps, raster(solid, ["object", "depth"]), objects.clear)
             if objects:
                 maps.pop("depth", None)
@@ -229,6 +234,8 @@ class Frames:
                 maps["through"] = clear
             if len(boxes) and objects and settings.wants_edges:
                 maps["haze"] = raster(objects.meshes if solid is None else solid, ["object", "depth", "shading"])
+            if known:
+                maps["chains"] = chains.told(lines, objects.numbers, whole)
             views[name] = eye, maps, view, projection
         if objects:
             objects.meshes.clear()
@@ -312,11 +319,13 @@ class Frames:
             self.engine.get_result().stamp_data_add_field(key, text)
         if not known:
             return
-        result = self.engine.get_result()
+        result, lines = self.engine.get_result(), {}
         for layer in result.layers:
             if layer.name not in known:  # a picture without stages
                 continue
             mine, by_view = known[layer.name], {}
+            if mine.keeps:
+                lines.update(mine.chains)
             for render_pass in layer.passes:
                 by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
             for view_id, there in by_view.items():
@@ -343,6 +352,8 @@ class Frames:
                 for name in set(mine.spare) & there.keys():
                     versions.clear_pass(there[name], result.resolution_x, result.resolution_y)
             self._stamp(result, mine)
+        for key, text in metadata.write_chains(lines).items():
+            result.stamp_data_add_field(key, text)
         if self.nonfinite:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")
             self.nonfinite = 0

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..pen import layers, supersample
+from ..pen import chains, layers, supersample
 from ..pen.around import Window
 from ..pen.job import Frame
 from ..pen.settings import Settings
@@ -52,6 +52,14 @@ class ViewLayer:
         if self.early:
             return [self.early]
         return [*(["Combined"] if self.settings.active else []), *self.asked]
+
+    @property
+    def chains(self):
+        """{(view layer, view): Chains} as the file has them."""
+        kept = [view.maps for view in self.kept.views.values()] if self.kept else []
+        maps = dict(zip(self.views, kept, strict=False)) or {name: view[1] for name, view in self.views.items()}
+        return {(self.name, name): chains.shrunk(of["chains"], self.factor)
+                for name, of in maps.items() if of and "chains" in of}
 
     def again(self, settings, images):
         """This view layer, to be drawn from memory with other settings."""

@@ -39,7 +39,8 @@ def load(scene, path):
         if {"Combined", "Encre Source"} & passes.keys():
             rows = np.s_[y:y + own.height, x:x + own.width]
             layer = scene.view_layers[name].name if name in scene.view_layers else scene.view_layers[0].name
-            kept[layer] = _layer(file, layer, passes, settings, said, rows, own, (width, height))
+            kept[layer] = _layer(file, layer, passes, settings, said, rows, own, (width, height),
+                                 said.chains.get((name, view)))
             lacks.update(dict.fromkeys(saved.missing(passes, asked)))
     if not kept:
         raise EncreError(f"{path}: has none of the scene's view layers with passes that can be drawn again; render it "
@@ -51,7 +52,7 @@ def load(scene, path):
     return list(lacks)
 
 
-def _layer(file, name, passes, settings, said, rows, own, size):
+def _layer(file, name, passes, settings, said, rows, own, size, lines):
     names = stored.wanted(passes, file.path, bool(said.camera))
     pictures = file.read([full for channels in names.values() for full in channels])
     shown = {one: stored.opaque(np.stack([pictures[full][rows] for full in channels], -1), one)
@@ -62,6 +63,8 @@ def _layer(file, name, passes, settings, said, rows, own, size):
         def clean(picture, albedo, normal):
             return denoise.denoise(picture, albedo, normal, home=versions.home(), scale=settings.light_scale)
     made, _ = layers.assemble(dict(shown), settings, saved.unpack(shown), clean)
+    if lines is not None:
+        made["chains"] = lines
     width, height = size
     frame = said.frame or Frame(width, height, own.x, own.y)
     frame = Frame(frame.width, frame.height, own.x, own.y)

@@ -338,6 +338,8 @@ class _Work:
         read, bad = _read(self.exr, found, settings, self.place, stored.camera, self.threads, self.room, not only_look)
         if only_look:
             return
+        if (layer, view) in stored.chains:
+            read["chains"] = stored.chains[layer, view]
         self._say("note", found.words(where, self.asked))
         self._say("note", _notes(stored, names, where))
         if _denoises(names, settings) and not denoiser.available():

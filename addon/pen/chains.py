@@ -36,6 +36,19 @@ def told(points: np.ndarray, numbers: np.ndarray, whole: np.ndarray) -> Chains:
     return Chains(out, chained)
 
 
+def shrunk(chains: Chains, factor: int) -> Chains:
+    """Those of a picture that is drawn `factor` times as large, in its own pixels."""
+    if factor == 1:
+        return chains
+    points = chains.points.copy()
+    for name in ("x", "y"):
+        points[name] = (points[name] + np.float32(0.5)) / np.float32(factor) - np.float32(0.5)
+    for name in ("along", "gap"):
+        points[name] /= np.float32(factor)
+    points["gap"][chains.points["gap"] >= _FAR] = _FAR
+    return Chains(_rounded(points), chains.chained)
+
+
 def _rounded(points):
     out = points.copy()
     for name, steps in _STEPS.items():

@@ -198,8 +198,8 @@ class Library:
         one context draws several one after the other, it finds their edges once. The lines of meshes may lie among the
         layers, too, as `chains`."""
         job, keep = self._job(same=same), list[Any]()
-        layers = dict(layers)
-        chains = layers.pop("chains", chains)
+        told: Any = layers.get("chains", chains)
+        layers = {name: picture for name, picture in layers.items() if name != "chains"}
         for i, (name, channels) in enumerate(self.layers.items()):
             a = layers.get(name)
             if a is not None:
@@ -237,9 +237,9 @@ class Library:
                              camera.distance, camera.light)
         frame = frame or Frame(width, height)
         job.frame = abi.frame(frame)
-        if chains:
-            points = np.ascontiguousarray(chains.points, abi.CHAIN_POINT)
-            chained = np.ascontiguousarray(chains.chained, np.uint8)
+        if told:
+            points = np.ascontiguousarray(told.points, abi.CHAIN_POINT)
+            chained = np.ascontiguousarray(told.chained, np.uint8)
             job.chains, job.n_chains = points.ctypes.data, points.size
             job.chained, job.n_chained = chained.ctypes.data, chained.size
             keep += [points, chained]
@@ -429,6 +429,10 @@ def draw(*args: Any, **kwargs: Any) -> Result:
 
 def raster(*args: Any, **kwargs: Any) -> dict[str, np.ndarray]:
     return load().raster(*args, **kwargs)
+
+
+def chains(*args: Any, **kwargs: Any) -> np.ndarray:
+    return load().chains(*args, **kwargs)
 
 
 def bake(*args: Any, **kwargs: Any) -> Baked:

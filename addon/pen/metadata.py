@@ -3,6 +3,7 @@
 
 import base64
 import json
+import lzma
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -11,13 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from . import library, settings
+from . import chains, library, settings
 from .errors import EncreError
-from .job import Camera, Frame
+from .job import Camera, Chains, Frame
 from .params import Chosen
 
 PARAMS, FRAME, CAMERA, BORDER = "encre.params", "encre.frame", "encre.camera", "encre.border"
 VIEW, IMAGES, LOST = "encre.view", "encre.paper", "encre.lost"  # once, the paper's was the only image
+CHAINS = "encre.chains"
 _MOST_IMAGES = 1 << 26  # values of all images in a file
 _PAPER = "paper_image"
 MARK = "encre.mark"  # from what a frame of a sequence was made: sequence.py
@@ -53,6 +55,7 @@ class Stored:
     view: View | None = None
     images: dict = field(default_factory=dict)  # {Chosen: pixels} of those that are no files
     lost: list = field(default_factory=list)  # what is in Combined and can't be drawn again
+    chains: dict = field(default_factory=dict)  # {(view layer, view): Chains}, lines that the meshes told
     warnings: list = field(default_factory=list)
     unknown: dict = field(default_factory=dict)
 
@@ -81,6 +84,11 @@ def write(scene: dict[str, Any], styles: Sequence[tuple[str, dict[str, Any]]], c
     return {key: json.dumps(value, allow_nan=False) for key, value in said.items()}
 
 
+def write_chains(told: Mapping[tuple[str, str], Chains]) -> dict[str, str]:
+    """Likewise, of Stored.chains."""
+    return {CHAINS: json.dumps([[*key, chains.pack(of)] for key, of in told.items()])} if told else {}
+
+
 def read(texts: Mapping[str, str]) -> Stored:
     """The Stored in {key: text}; keys that are not ours are ignored.
 
@@ -89,14 +97,16 @@ def read(texts: Mapping[str, str]) -> Stored:
     """
     stored = Stored()
     for key, understand in ((PARAMS, _read_params), (FRAME, _read_frame), (CAMERA, _read_camera),
-                            (BORDER, _read_border), (VIEW, _read_view), (IMAGES, _read_images), (LOST, _read_lost)):
+                            (BORDER, _read_border), (VIEW, _read_view), (IMAGES, _read_images), (LOST, _read_lost),
+                            (CHAINS, _read_chains)):
         if key not in texts:
             continue
         try:
             understand(json.loads(texts[key]), stored)
         except EncreError as error:
             raise EncreError(f"the metadata {key} can't be used: {error}") from None
-        except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, zlib.error):
+        except (ValueError, TypeError, KeyError, AttributeError, OverflowError, RecursionError, zlib.error,
+                lzma.LZMAError):
             raise EncreError(f"the metadata {key} can't be read: render the picture again, or remove them "
                                   "from the file") from None
     return stored
@@ -201,3 +211,8 @@ def _unpacked(said, room):
 
 def _read_lost(said, stored):
     stored.lost = [str(what) for what in said][:16]
+
+
+def _read_chains(said, stored):
+    for layer, view, text in said:
+        stored.chains[str(layer), str(view)] = chains.unpack(text)

@@ -250,11 +250,6 @@ class Settings:
         return self.any("use_lines", "use_smudging")
 
     @cached_property
-    def wants_chains(self) -> bool:
-        """Whether lines of shapes are those that meshes tell of."""
-        return self.every[0]["edge_detector"] == "FINE" and self.wants_edges
-
-    @cached_property
     def wants_specular(self) -> bool:
         """Whether anything looks at highlights."""
         return self.any("use_hatching") or self.wants_parts
