@@ -28,6 +28,21 @@ static bool has_site(const stations *s, const station *t)
 	       y < f->height - 1 + far;
 }
 
+/* Pixels: what is thinner is drawn as one line where its two would meet, in full where it is thinner by as much. */
+static const float thin_from = 3.9f, thin_ramp = 0.6f;
+
+/* How thin the thing is that a contour bounds, and how far on along the axis that it crosses the middle of that lies. */
+static void tell_thin(const station *t, bool row, site *made)
+{
+	float wide = min(t->across, 2 * t->apart), aside = row ? -t->dy * t->side : t->dx * t->side;
+	if (t->importance != IMPORTANCE_CONTOUR || !t->side || !(t->apart < thin_from))
+		return;
+	made->placed.thin = clamp01((thin_from - t->apart) / thin_ramp);
+	made->placed.half = 0.5f * wide;
+	made->placed.inside = 0.5f * wide / aside;
+	made->linked.tapers = t->tapers;
+}
+
 static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
 {
 	const station *t = s->at + i;
@@ -48,6 +63,7 @@ static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
 			   .eased = (uint8_t)(255 * (1 - min(t->keep, 1)) + 0.5f)},
 		.linked = {.crowd = radius < INFINITY ? 1 / radius : 0},
 	};
+	tell_thin(t, row, made);
 	*of = (chain_site){.run = t->run,
 			   .s = t->s,
 			   .mesh = t->mesh,

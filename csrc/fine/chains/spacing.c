@@ -128,6 +128,7 @@ static const float widest = 24;
 static const float abreast = 0.8f;              /* pixels along the way by which both contours may lie apart */
 static const float parted = 0.5f, beside = 0.8f; /* cosines of contours that have nothing to do with each other, and
 						    that run along each other */
+static const float rod = 0.05f, tip = 0.15f;     /* sines of contours of a rod, and of a tip */
 static const float even_least = 9, even_mean = 10; /* px along the run over which it is evened */
 
 /* Takes what lies across from a contour in the cells about a place. */
@@ -145,6 +146,7 @@ static void look_across(const stations *s, station *t, double x, double y, const
 		if (cosine < parted || (dot > 0 ? 1 : -1) * o->side * t->side > 0)
 			continue;
 		t->apart = mix(most, across, clamp01((cosine - parted) / (beside - parted)));
+		t->sine = fabsf(t->dx * o->dy - t->dy * o->dx);
 	}
 }
 
@@ -155,12 +157,14 @@ static void measure_stations(void *data, int first, int end, int thread)
 	float most = widest * s->n->f->scale;
 	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
 		station *t = s->at + i;
-		t->apart = most;
+		t->apart = t->across = most;
+		t->sine = 0;
 		if (!is_drawn(t) || t->importance != IMPORTANCE_CONTOUR || !t->side)
 			continue;
 		float in[2] = {-t->dy * t->side, t->dx * t->side};
 		for (float far = 0.5f; far <= most && far < t->apart + 1; far += s->grid.cell)
 			look_across(s, t, t->x + (double)(far * in[0]), t->y + (double)(far * in[1]), in, most);
+		t->across = t->apart;
 	}
 }
 
@@ -173,12 +177,17 @@ static void even_least_apart(void *data, int first, int end, int thread)
 	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
 		uint32_t from = s->first[i], last = s->first[i + 1];
 		for (uint32_t a = from; a < last; a++) {
-			float least = s->at[a].apart;
-			for (uint32_t b = a; b-- > from && s->at[a].s - s->at[b].s < reach && is_drawn(s->at + b);)
+			float least = s->at[a].apart, sine = s->at[a].sine;
+			for (uint32_t b = a; b-- > from && s->at[a].s - s->at[b].s < reach && is_drawn(s->at + b);) {
 				least = min(least, s->at[b].apart);
-			for (uint32_t b = a + 1; b < last && s->at[b].s - s->at[a].s < reach && is_drawn(s->at + b); b++)
+				sine = max(sine, s->at[b].sine);
+			}
+			for (uint32_t b = a + 1; b < last && s->at[b].s - s->at[a].s < reach && is_drawn(s->at + b); b++) {
 				least = min(least, s->at[b].apart);
+				sine = max(sine, s->at[b].sine);
+			}
 			s->mean[a] = least;
+			s->at[a].tapers = clamp01((sine - rod) / (tip - rod));
 		}
 		for (uint32_t a = from; a < last; a++)
 			s->at[a].apart = s->mean[a];

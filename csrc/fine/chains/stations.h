@@ -29,7 +29,8 @@ typedef struct station {
 	float growth;            /* 0..1: what bends hardly more than asked is thinner */
 	float solid;             /* likewise, for all reasons but other lines */
 	float keep;              /* 0..1: what is left of its width */
-	float apart;             /* pixels to the other contour of the thing that it bounds */
+	float apart, across;     /* pixels to the other contour of the thing that it bounds: evened along the run, and there */
+	float sine, tapers;      /* of the angle with that contour; how much the thing comes to a tip, 0..1 */
 	float strength;
 	int32_t mesh, edge, object, behind, run, kind;
 	uint16_t near_x, near_y; /* of the image: where it takes its controls */
