@@ -153,6 +153,32 @@ static int32_t check_reach(const encre_job *job, int width, int height, char *er
 		      width, height, (double)reach, NEAREST_FAR);
 }
 
+/* Places that are no numbers, or so far away that no frame has them, would be no lines. */
+static int32_t check_points(const encre_job *job, char *error, size_t size)
+{
+	const float beside = 1000, most = 1e9f; /* pixels */
+	float right = (float)job->frame.width + beside, bottom = (float)job->frame.height + beside;
+	if (job->n_chains < 0 || job->n_chained < 0 || (job->n_chains && !job->chains) ||
+	    (job->n_chained && !job->chained))
+		return refuse(error, size, "chains: %lld points and %lld objects; give as many as there are, or 0",
+			      (long long)job->n_chains, (long long)job->n_chained);
+	for (int64_t i = 0; i < job->n_chains; i++) {
+		const encre_chain_point *p = job->chains + i;
+		const float values[] = {p->along[0], p->along[1], p->bend, p->fade, p->gap};
+		bool numbers = fabsf(p->depth) <= FLT_MAX && p->x >= -beside && p->x <= right && p->y >= -beside &&
+			       p->y <= bottom;
+		for (size_t k = 0; k < sizeof values / sizeof *values; k++)
+			numbers &= fabsf(values[k]) <= most;
+		if (!numbers)
+			return refuse(error, size, "chains: point %lld is at no place; give what encre_chains() gave",
+				      (long long)i);
+		if (i && p->run < p[-1].run)
+			return refuse(error, size, "chains: run %d follows run %d; give runs one after the other",
+				      (int)p->run, (int)p[-1].run);
+	}
+	return ENCRE_OK;
+}
+
 int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre_image out[ENCRE_OUTPUT_COUNT],
 		  char *error, size_t size)
 {
@@ -177,7 +203,7 @@ int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre
 	if ((code = check_params(job->params, job->n_styles, error, size)) ||
 	    (code = check_outputs(job, in, out, error, size)) ||
 	    (code = check_frame(&job->frame, width, height, error, size)) ||
-	    (code = check_camera(&job->camera, error, size)))
+	    (code = check_camera(&job->camera, error, size)) || (code = check_points(job, error, size)))
 		return code;
 	return check_reach(job, width, height, error, size);
 }

@@ -306,7 +306,7 @@ static edges setup(const frame *f)
 	}
 	e.on[SOURCE_OBJECT] &= f->layer[ENCRE_LAYER_OBJECT].data != NULL;
 	e.on[SOURCE_MATERIAL] &= f->layer[ENCRE_LAYER_MATERIAL].data != NULL;
-	e.on[SOURCE_MARK] &= f->layer[ENCRE_LAYER_MARKS].data != NULL;
+	e.on[SOURCE_MARK] &= f->layer[ENCRE_LAYER_MARKS].data || (e.fine && f->n_chains);
 	e.on[SOURCE_COLOR] |= f->layer[ENCRE_LAYER_CONTROLS].data != NULL;
 	e.on[SOURCE_SEEN] &= e.fine && f->layer[ENCRE_LAYER_SEEN_COLOR].data && f->layer[ENCRE_LAYER_SEEN_NORMAL].data;
 	e.on[SOURCE_SUGGESTIVE] &= e.fine;

@@ -39,7 +39,7 @@ static void tell_thin(const station *t, bool row, site *made)
 		return;
 	made->placed.thin = clamp01((thin_from - t->apart) / thin_ramp);
 	made->placed.half = 0.5f * wide;
-	made->placed.inside = 0.5f * wide / aside;
+	made->placed.inside = on_grid(0.5f * wide / aside);
 	made->linked.tapers = t->tapers;
 }
 

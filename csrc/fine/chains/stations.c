@@ -65,15 +65,15 @@ static void put(placing *p, const encre_chain_point *of, double x, double y, con
 	p->count++;
 }
 
-/* Of length 1; false where the points lie on each other. */
-static bool way_between(const encre_chain_point *a, const encre_chain_point *b, double way[2])
+/* Of length 1; gives how long it is, 0 where the points lie on each other. */
+static double way_between(const encre_chain_point *a, const encre_chain_point *b, double way[2])
 {
 	double x = (double)b->x - (double)a->x, y = (double)b->y - (double)a->y, length = sqrt(x * x + y * y);
 	if (!(length > 1e-9))
-		return false;
+		return 0;
 	way[0] = x / length;
 	way[1] = y / length;
-	return true;
+	return length;
 }
 
 /* Puts those of points from .. end - 1, which lie between the last station and (x, y), that are corners. */
@@ -102,7 +102,7 @@ static void put_corners(placing *p, int64_t from, int64_t end, double x, double 
 	if (best < 0 || depth == DEEPEST)
 		return;
 	put_corners(p, from, best, (double)q[best].x, (double)q[best].y, depth + 1);
-	if (way_between(q + best - 1, q + best, way) || way_between(q + best, q + best + 1, way))
+	if (way_between(q + best - 1, q + best, way) > 0 || way_between(q + best, q + best + 1, way) > 0)
 		put(p, q + best, (double)q[best].x, (double)q[best].y, way, q[best].depth, q[best].along[1],
 		    STATION_ADDED);
 	put_corners(p, best + 1, end, x, y, depth + 1);
@@ -121,7 +121,7 @@ static void put_run(placing *p, int64_t from, int64_t end)
 	double way[2];
 	int64_t corner = from + 1, first = from + 1;
 	bool closed = q[from].end == ENCRE_END_LOOP && q[end - 1].end == ENCRE_END_LOOP;
-	while (first < end && !way_between(q + first - 1, q + first, way))
+	while (first < end && !(way_between(q + first - 1, q + first, way) > 0))
 		first++;
 	if (first == end)
 		return;
@@ -130,9 +130,12 @@ static void put_run(placing *p, int64_t from, int64_t end)
 	    STATION_ADDED | STATION_FIRST | tied | (closed ? STATION_CLOSED : 0));
 	for (int64_t k = first; k < end; k++) {
 		const encre_chain_point *a = q + k - 1, *b = q + k;
-		if (!way_between(a, b, way))
+		double length = way_between(a, b, way), u0 = (double)b->along[0], u1 = (double)b->along[1];
+		if (!(length > 0))
 			continue;
-		double u0 = (double)b->along[0], u1 = (double)b->along[1], step = (double)station_step,
+		if (!(fabs(u1 - u0) <= 2 * length + 1)) /* it is none of an edge */
+			u1 = u0 + length;
+		double step = (double)station_step,
 		       phase = phase_of(b), low = u0 < u1 ? u0 : u1, high = u0 < u1 ? u1 : u0;
 		double i0 = ceil(low / step - phase), i1 = ceil(high / step - phase) - 1;
 		for (double i = 0; i <= i1 - i0; i++) {

@@ -32,7 +32,7 @@ bool ISA(hand_site)(const fine *n, const found *at, placed *s)
 void ISA(hand_row)(const fine *n, int y)
 {
 	int width = n->f->width;
-	if (!n->e->on[SOURCE_MARK])
+	if (!n->e->on[SOURCE_MARK] || !n->f->layer[ENCRE_LAYER_MARKS].data)
 		return;
 	const float *marks = layer_row(n->f, ENCRE_LAYER_MARKS, y);
 	int any = 0; /* most rows have none, and are looked through at once */

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines of shapes that chains of mesh edges tell: what of them FINE draws, and what pixels draw no more."""
+
+import numpy as np
+import pytest
+from encre.pen import abi, library
+from encre.pen.errors import EncreError
+from encre.pen.job import Chains, Frame
+
+KIND = {name: 1 << k for k, name in enumerate(abi.CHAIN_KINDS)}
+END = {name: k for k, name in enumerate(abi.CHAIN_ENDS)}
+FAR = 1e9  # a gap behind which nothing is
+LOOK = dict(edge_detector="FINE", line_thickness=2.0, line_softness=0.0, line_gain=1.0, line_intensity=2.0,
+            line_paper=0.0, line_contrast=0.0, line_occlude=False, length_unit="PIXELS", use_shading=False,
+            use_hatching=False, use_smudging=False, width_object=1.0, width_depth=1.0, width_normal=1.0,
+            crease_angle=30.0, crease_smooth=60.0)
+SIZE = 60, 96  # rows, columns
+
+
+def line(points, kind, run=0, **more):
+    """A run over places (x, y): one edge each, of its own number."""
+    at = np.asarray(points, float)
+    found = np.zeros(len(at), abi.CHAIN_POINT)
+    found["x"], found["y"] = at.T
+    step = np.hypot(*np.diff(at, axis=0).T)
+    found["along"][1:, 1] = step
+    found["along"][0] = 0, step[0]
+    found["edge"] = 100 * run + np.maximum(np.arange(len(at)) - 1, 0)
+    defaults = dict(depth=5, fade=1, object=1, behind=1, gap=FAR, bend=90, mesh=1)
+    for name, value in (defaults | more).items():
+        found[name] = value
+    found["kind"], found["run"] = sum(KIND[name] for name in kind.split()), run
+    found["end"][[0, -1]] = END["node"]
+    return found
+
+
+def flat(size=SIZE, depth=5.0, number=1):
+    """Layers of a wall."""
+    h, w = size
+    one = np.ones((h, w, 3), np.float32)
+    return {"combined": np.ones((h, w, 4), np.float32), "color": one, "albedo": one, "diffuse": one,
+            "normal": one * np.float32([0, 0, 1]), "depth": np.full((h, w, 1), depth, np.float32),
+            "object": np.full((h, w, 1), number, np.float32)}
+
+
+def drawn(layers, chains=None, chained=(1, 1, 1, 1), frame=None, threads=1, **values):
+    if chains is not None:
+        chains = Chains(np.concatenate([chains] if isinstance(chains, np.ndarray) else chains), np.array(chained))
+    return library.render(layers, LOOK | values, outputs=["Encre Lines"], chains=chains, frame=frame,
+                          threads=threads).images["Encre Lines"][..., 3]
+
+
+def across(y=30.0, x0=10.0, x1=86.0):
+    return [(x0, y), (x1, y)]
+
+
+def test_the_angle_of_a_crease_is_exact():
+    ink = [drawn(flat(), line(across(), "crease", bend=bend)).sum() for bend in (29.5, 30.5, 32, 34, 60)]
+    assert ink[0] == 0
+    assert ink[1] >= 0.5 * ink[4]
+    assert ink[1] < ink[2] < ink[3] == ink[4]
+
+
+def test_a_smooth_edge_has_its_own_angle_and_goes_on_from_a_sharper_one():
+    alone = drawn(flat(), line(across(), "crease smooth", bend=55))
+    assert not alone.any()
+    both = line([(10, 30), (40, 30), (86, 30)], "crease smooth")
+    both["bend"] = 90, 90, 55  # of the ways to each point
+    on = drawn(flat(), both)
+    assert on[28:33, 50:80].any(0).all()
+    both["bend"] = 90, 90, 49
+    assert not drawn(flat(), both)[28:33, 50:80].any()
+
+
+@pytest.mark.parametrize("gap, share", [(0.1, 0), (0.3125, 0.5), (0.5, 1), (FAR, 1)])
+def test_a_fold_comes_in_by_how_far_it_lies_before_what_is_behind(gap, share):
+    whole = drawn(flat(), line(across(), "contour", side=1)).sum()
+    assert drawn(flat(), line(across(), "contour", side=1, gap=gap)).sum() == pytest.approx(share * whole, rel=0.02)
+
+
+def step(left=1, right=2):
+    """A thing before another one; its contour lies at x = 47.5."""
+    layers = flat()
+    layers["depth"][:, 48:] = 9
+    layers["object"][:, :48], layers["object"][:, 48:] = left, right
+    return layers
+
+
+def test_pixels_draw_no_shapes_of_what_comes_as_chains():
+    assert drawn(step()).any()
+    nothing = line(across(), "crease", bend=1)
+    assert not drawn(step(), nothing).any()
+    np.testing.assert_array_equal(drawn(step(), nothing, chained=(1, 0, 0)), drawn(step()))
+
+
+@pytest.mark.parametrize("chained, draws", [((1, 0, 1), True), ((1, 1, 0), False)])
+def test_between_a_chained_thing_and_another_the_nearer_one_tells(chained, draws):
+    assert drawn(step(), line(across(), "crease", bend=1), chained).any() == draws
+
+
+def test_a_contour_lies_where_its_edge_does():
+    contour = line([(47.3, -40), (47.3, 100)], "contour", side=1, behind=2)
+    t = drawn(step(), contour)
+    at = (t * np.arange(SIZE[1])).sum(1) / t.sum(1)
+    np.testing.assert_allclose(at, 47.3, atol=0.01)
+    np.testing.assert_allclose(t.sum(1), 2, atol=0.02)
+
+
+def test_of_two_creases_that_lie_close_one_stays():
+    one = drawn(flat(), line(across(), "crease")).sum()
+    for apart, share in ((1.2, 1), (3.5, 2)):
+        two = [line(across(), "crease"), line(across(30 + apart), "crease", run=1)]
+        assert drawn(flat(), two).sum() == pytest.approx(share * one, rel=0.03)
+
+
+def test_a_crease_gives_way_to_an_outline_and_outlines_do_not():
+    outline = line(across(), "contour", side=1, behind=2)
+    one = drawn(flat(), outline).sum()
+    assert drawn(flat(), [outline, line(across(31.2), "crease", run=1)]).sum() == pytest.approx(one, rel=0.03)
+    other = line(across(31.5), "contour", run=1, side=1, behind=3, object=2, mesh=2)
+    both = flat()
+    both["object"][31:] = 2
+    assert drawn(both, [outline, other], line_thickness=1.0).sum() > 1.5 * drawn(both, outline, line_thickness=1.0).sum()
+
+
+def test_what_gives_way_makes_others_give_way_as_much_less():
+    three = [line(across(30 + 2 * k), "crease", run=k, depth=5 + 0.01 * k) for k in range(3)]
+    t = drawn(flat(), three, line_thickness=1.0)
+    np.testing.assert_allclose(t[30:36:2, 30:60], np.array([[1], [1 / 3], [7 / 9]]) + np.zeros((1, 30)), atol=0.01)
+
+
+def test_what_is_left_of_creases_and_spans_next_to_nothing_is_not_drawn():
+    short = line([(30, 30), (33, 30)], "crease")
+    assert not drawn(flat(), short, line_min_length=0.0).any()
+    assert drawn(flat(), line([(30, 30), (35, 30)], "crease"), line_min_length=0.0).any()
+    assert drawn(flat(), line([(30, 30), (33, 30)], "mark"), line_min_length=0.0).any()
+
+
+@pytest.mark.parametrize("layers", [step(3, 2), flat(depth=4.0) | {"object": flat(number=3)["object"]}])
+def test_where_the_layers_show_something_else_they_speak(layers):
+    contour = line([(47.5, -40), (47.5, 100)], "contour", side=1, behind=2)
+    np.testing.assert_array_equal(drawn(layers, contour, chained=(1, 1, 1, 0)), drawn(layers))
+
+
+def test_a_rare_pixel_that_differs_hides_nothing():
+    layers = step()
+    layers["object"][20:26] = 3
+    contour = line([(47.5, -40), (47.5, 100)], "contour", side=1, behind=2)
+    t = drawn(layers, contour, chained=(1, 1, 1, 0))
+    assert t[:, 46:50].any(1).all()
+
+
+def test_colours_keep_clear_of_what_is_older_and_are_led_on_to_it():
+    layers = flat()
+    layers["color"] = layers["albedo"] = np.where(np.arange(SIZE[1])[None, :, None] < 48, 1, 0.2) * np.ones(
+        (*SIZE, 3), np.float32)
+    layers["color"] = layers["albedo"] = np.ascontiguousarray(layers["albedo"], np.float32)
+    both = dict(edge_color=3.0, width_color=1.0)
+    beside = drawn(layers, line([(48.5, -40), (48.5, 100)], "crease"), **both)
+    assert beside.sum() == pytest.approx(drawn(flat(), line([(48.5, -40), (48.5, 100)], "crease")).sum(), rel=0.01)
+    crossed = drawn(layers, line([(-40, 30.4), (140, 30.4)], "crease"), **both)
+    assert crossed[:, 46:50].max(1).min() > 0.5  # the colour's line goes up to the crease on both sides
+
+
+def star():
+    rng = np.random.default_rng(4)
+    return [line([(48, 30), *(48 + 45 * np.array([[np.cos(a), np.sin(a)]]))], "crease", run=k, depth=5 + 0.001 * k)
+            for k, a in enumerate(rng.uniform(0, 2 * np.pi, 40))]
+
+
+def test_crowds_get_thinner_and_are_the_same_on_any_number_of_threads():
+    t = drawn(flat(), star())
+    assert t.any()
+    np.testing.assert_array_equal(drawn(flat(), star(), threads=3), t)
+
+
+def test_a_part_of_a_frame_has_the_lines_of_the_whole():
+    size, margin = (200, 300), 84
+    chains = [*star(), line([(40, 20), (180, 120.3), (280, 60)], "crease", run=60)]
+    whole = drawn(flat(size), chains)
+    part = drawn(flat((100 + margin, 100 + 2 * margin)), chains, frame=Frame(300, 200, 100 - margin, 0))
+    np.testing.assert_allclose(part[:100, margin:-margin], whole[:100, 100:200], atol=1e-4)
+
+
+def test_without_chains_nothing_changes():
+    none = np.zeros(0, abi.CHAIN_POINT)
+    np.testing.assert_array_equal(drawn(step(), none, chained=()), drawn(step()))
+
+
+@pytest.mark.parametrize("name, value", [("x", np.nan), ("y", 1e7), ("depth", np.inf), ("along", np.nan)])
+def test_points_that_are_at_no_place_are_refused(name, value):
+    points = line(across(), "crease")
+    points[name][1] = value
+    with pytest.raises(EncreError, match="chains: point 1 is at no place; give what encre_chains"):
+        drawn(flat(), points)
+
+
+def test_runs_that_do_not_follow_each_other_are_refused():
+    with pytest.raises(EncreError, match="chains: run 0 follows run 1; give runs one after the other"):
+        drawn(flat(), [line(across(), "crease", run=1), line(across(40), "crease")])
