@@ -31,7 +31,8 @@ static bool has_site(const stations *s, const station *t)
 /* Pixels: what is thinner is drawn as one line where its two would meet, in full where it is thinner by as much. */
 static const float thin_from = 3.9f, thin_ramp = 0.6f;
 
-/* How thin the thing is that a contour bounds, and how far on along the axis that it crosses the middle of that lies. */
+/* How thin the thing is that a contour bounds, and how far on along the axis that it crosses the middle of that lies.
+ */
 static void tell_thin(const station *t, bool row, site *made)
 {
 	float wide = min(t->across, 2 * t->apart), aside = row ? -t->dy * t->side : t->dx * t->side;
@@ -110,6 +111,10 @@ static int32_t make_sites(stations *s)
 			continue;
 		number[i] += is_shape(s->at + i) ? 0 : shapes;
 		make_site(s, i, n->chain_made + number[i], n->chain + number[i]);
+		/* where a run stops being a line, as others go on in its place, it may meet these */
+		n->chain[number[i]].tied |=
+			(i && !(s->at[i].flags & STATION_FIRST) && number[i - 1] == no_site) ||
+			(i + 1 < s->count && !(s->at[i].flags & STATION_LAST) && !has_site(s, s->at + i + 1));
 		if (i && !(s->at[i].flags & STATION_FIRST))
 			add_link(n, number[i - 1], number[i]);
 	}
@@ -123,10 +128,7 @@ static int32_t make_sites(stations *s)
 
 int32_t ISA(chains_find)(fine *n)
 {
-	stations s = {.n = n,
-		      .px = room_px(n, 1),
-		      .point = n->f->chains,
-		      .points = n->f->n_chains};
+	stations s = {.n = n, .px = room_px(n, 1), .point = n->f->chains, .points = n->f->n_chains};
 	int32_t code = ISA(stations_make)(&s);
 	if (code)
 		return code;
