@@ -88,10 +88,14 @@ class RasterJob(c.Structure):
                 ("beyond", Image), ("anchor", Image), ("tangent", Image), ("card", Image)]
 
 
-# encre_chain_point; its bits of `kind` and values of `end` are those of CHAIN_KINDS and CHAIN_ENDS.
-CHAIN_POINT = np.dtype([("x", "f4"), ("y", "f4"), ("depth", "f4"), ("bend", "f4"), ("gap", "f4"), ("along", "f4", 2),
-                        ("fade", "f4"), ("mesh", "i4"), ("edge", "i4"), ("kind", "i4"), ("side", "i4"),
-                        ("object", "i4"), ("behind", "i4"), ("run", "i4"), ("end", "i4")])
+class ChainPoint(c.Structure):
+    _fields_ = [*((name, c.c_float) for name in ("x", "y", "depth", "bend", "gap")), ("along", c.c_float * 2),
+                ("fade", c.c_float), *((name, c.c_int32) for name in (
+                    "mesh", "edge", "kind", "side", "object", "behind", "run", "end"))]
+
+
+CHAIN_POINT = np.dtype(ChainPoint)
+# Its bits of `kind` and values of `end`.
 CHAIN_KINDS = ("contour", "border", "number", "crease", "meet", "mark", "bevel", "smooth", "other", "material", "flush")
 CHAIN_ENDS = ("none", "node", "hidden", "frame", "loop")
 

@@ -58,7 +58,7 @@ static void aim_bodies(void *data, int from, int end, int thread)
 			for (uint32_t n = 0; n < 3; n++)
 				p[n] = b->spots + topology_point(b->mesh, 3 * (uint32_t)k + n);
 			double turn = outline_turn(p[0], p[1], p[2]);
-			b->faces[k] = turn > 0 ? 1 : turn < 0 ? -1 : 0;
+			b->faces[k] = (int8_t)((turn > 0) - (turn < 0));
 		}
 	}
 }
@@ -109,7 +109,8 @@ static bool is_contour(const body *b, const mesh_edge *e)
 	const int8_t *faces = b->faces;
 	const shape *s = b->shape;
 	if (!(e->flags & EDGE_MANY)) {
-		int one = faces[e->face[0]], other = faces[e->face[1]] * (e->flags & EDGE_SAME_WAY ? -1 : 1);
+		int one = (int)faces[e->face[0]];
+		int other = (int)faces[e->face[1]] * (e->flags & EDGE_SAME_WAY ? -1 : 1);
 		return one * other < 0 || (one == 0) != (other == 0);
 	}
 	bool right = false, left = false;
@@ -209,7 +210,7 @@ static int64_t walk(const search *s, int chunk, line *out)
 		uint32_t stop = b->first + (b->shape ? (uint32_t)b->shape->n_edges : 0);
 		stop = stop < end ? stop : end;
 		line l;
-		for (; at < stop && b->near; at++)
+		for (; at < stop && b->near && b->shape; at++)
 			if (edge_line(c, i, (int32_t)(at - b->first), &l)) {
 				if (out)
 					out[n] = l;

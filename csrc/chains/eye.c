@@ -5,21 +5,28 @@
 
 static const double fuzz = 1e-9; /* of a triangle's sides: neighbours leave no gap */
 static const float wide = 1.000001f, narrow = 0.999999f;
+static const float padding = 4e-7f; /* of coordinates, by which boxes are larger: a ray may lie in a side of one */
 
 typedef struct local_ray {
-	float from[3], inverse[3], far;
-	int low[3], high[3]; /* which bounds it meets first and last */
+	float enters[3], leaves[3], inverse[3], far; /* enters, leaves: where it begins, for either bound */
+	int low[3], high[3];                         /* which bounds it meets first and last */
 	double origin[3], way[3];
 } local_ray;
 
 static inline void aim(local_ray *l, const double from[3], const double to[3], double far)
 {
+	double size = 0;
+	for (int k = 0; k < 3; k++)
+		size += fabs(from[k]) + fabs(to[k]);
+	float pad = padding * (float)size;
 	for (int k = 0; k < 3; k++) {
 		l->origin[k] = from[k];
 		l->way[k] = to[k] - from[k];
-		l->from[k] = (float)from[k];
 		float way = (float)l->way[k], least = way < 0 ? -1e-18f : 1e-18f;
 		l->inverse[k] = 1 / (fabsf(way) < 1e-18f ? least : way);
+		float begin = (float)from[k];
+		l->enters[k] = l->inverse[k] < 0 ? begin - pad : begin + pad;
+		l->leaves[k] = l->inverse[k] < 0 ? begin + pad : begin - pad;
 		l->low[k] = l->inverse[k] < 0 ? 3 + k : k;
 		l->high[k] = l->inverse[k] < 0 ? k : 3 + k;
 	}
@@ -42,10 +49,10 @@ static inline unsigned entered(const tree_node *n, const local_ray *l)
 	unsigned bits = 0;
 	int32_t in[TREE_WIDE];
 	for (int i = 0; i < TREE_WIDE; i++) {
-		float t0 = max(max((x0[i] - l->from[0]) * l->inverse[0], (y0[i] - l->from[1]) * l->inverse[1]),
-			       max((z0[i] - l->from[2]) * l->inverse[2], 0.0f));
-		float t1 = min(min((x1[i] - l->from[0]) * l->inverse[0], (y1[i] - l->from[1]) * l->inverse[1]),
-			       (z1[i] - l->from[2]) * l->inverse[2]);
+		float t0 = max(max((x0[i] - l->enters[0]) * l->inverse[0], (y0[i] - l->enters[1]) * l->inverse[1]),
+			       max((z0[i] - l->enters[2]) * l->inverse[2], 0.0f));
+		float t1 = min(min((x1[i] - l->leaves[0]) * l->inverse[0], (y1[i] - l->leaves[1]) * l->inverse[1]),
+			       (z1[i] - l->leaves[2]) * l->inverse[2]);
 		t1 = min(t1 * wide, l->far);
 		in[i] = -(t0 * narrow <= t1);
 	}

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A job: the rooms's files in order. */
+/* A job: the files of the room, in order. */
 #include "chains/chains.h"
 
 #include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 void chains_free(kept_shapes **kept)
 {
@@ -19,6 +20,21 @@ void chains_free(kept_shapes **kept)
 	free(k->points);
 	free(k);
 	*kept = NULL;
+}
+
+void *chains_grow(void *array, size_t size, int64_t n, int64_t *room)
+{
+	if (n < *room)
+		return array;
+	int64_t more = n ? 2 * n : 256;
+	void *grown = (uint64_t)more < SIZE_MAX / size ? malloc((size_t)more * size) : NULL;
+	if (!grown)
+		return NULL;
+	if (n)
+		memcpy(grown, array, (size_t)n * size);
+	free(array);
+	*room = more;
+	return grown;
 }
 
 static void aim(chains *c)

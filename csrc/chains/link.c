@@ -61,7 +61,7 @@ static void join_node(line *lines, const node_end *ends, int n)
 	int left[GROUPS] = {0};
 	n = n < MOST ? n : MOST;
 	for (int i = 0; i < n; i++) {
-		s[i] = spoke_of(lines + ends[i].end / 2, ends[i].end & 1);
+		s[i] = spoke_of(lines + ends[i].end / 2, (int)(ends[i].end & 1));
 		left[s[i].group]++;
 	}
 	for (;;) {

@@ -124,14 +124,10 @@ static bool faces_meet(const chains *c, double p[2][3][3], meet *m)
 
 static bool add_meet(kept_shapes *kept, const meet *m)
 {
-	if (kept->n_meets == kept->room_meets) {
-		int64_t room = kept->room_meets ? 2 * kept->room_meets : 256;
-		meet *more = realloc(kept->meets, (size_t)room * sizeof *more);
-		if (!more)
-			return false;
-		kept->meets = more;
-		kept->room_meets = room;
-	}
+	meet *meets = chains_grow(kept->meets, sizeof *meets, kept->n_meets, &kept->room_meets);
+	if (!meets)
+		return false;
+	kept->meets = meets;
 	kept->meets[kept->n_meets++] = *m;
 	return true;
 }
@@ -270,14 +266,10 @@ typedef struct former {
 
 static bool add_pair(kept_shapes *kept, int i, int k, int64_t first)
 {
-	if (kept->n_pairs == kept->room_pairs) {
-		int64_t room = kept->room_pairs ? 2 * kept->room_pairs : 256;
-		meet_pair *more = realloc(kept->pairs, (size_t)room * sizeof *more);
-		if (!more)
-			return false;
-		kept->pairs = more;
-		kept->room_pairs = room;
-	}
+	meet_pair *pairs = chains_grow(kept->pairs, sizeof *pairs, kept->n_pairs, &kept->room_pairs);
+	if (!pairs)
+		return false;
+	kept->pairs = pairs;
 	kept->pairs[kept->n_pairs++] = (meet_pair){{i, k}, first, kept->n_meets - first};
 	return true;
 }
@@ -326,9 +318,10 @@ static int32_t place(chains *c, bool *moved)
 	kept_shapes *kept = c->kept;
 	for (int i = 0; i < c->n_bodies; i++)
 		moved[i] = i >= kept->n_placed || !same_place(kept->placed + i, c->bodies + i);
-	struct placed *placed = realloc(kept->placed, ((size_t)c->n_bodies + 1) * sizeof *placed);
+	struct placed *placed = malloc(((size_t)c->n_bodies + 1) * sizeof *placed);
 	if (!placed)
 		return ENCRE_ERROR_MEMORY;
+	free(kept->placed);
 	kept->placed = placed;
 	kept->n_placed = c->n_bodies;
 	for (int i = 0; i < c->n_bodies; i++) {

@@ -3,8 +3,6 @@
  * are bridged, and short pieces that are hidden at both ends dropped. */
 #include "chains/chains.h"
 
-#include <stdlib.h>
-
 static const double bridge = 1.5; /* pixels */
 static const double least = 1.5;  /* pixels of what is hidden at both ends */
 static const double none = 0.02;  /* pixels of any run */
@@ -25,16 +23,12 @@ typedef struct walk {
 static encre_chain_point *add_point(walk *w)
 {
 	kept_shapes *k = w->out;
-	if (k->n_points == k->room_points) {
-		int64_t room = k->room_points ? 2 * k->room_points : 1024;
-		encre_chain_point *more = realloc(k->points, (size_t)room * sizeof *more);
-		if (!more) {
-			w->failed = true;
-			return NULL;
-		}
-		k->points = more;
-		k->room_points = room;
+	encre_chain_point *points = chains_grow(k->points, sizeof *points, k->n_points, &k->room_points);
+	if (!points) {
+		w->failed = true;
+		return NULL;
 	}
+	k->points = points;
 	return k->points + k->n_points++;
 }
 
@@ -177,7 +171,7 @@ static void walk_chain(walk *w, int64_t start, bool loop, uint8_t *done)
 	w->gap = INFINITY;
 	do {
 		const line *l = w->c->lines + end / 2;
-		int from = end & 1;
+		int from = (int)(end & 1);
 		done[end / 2] = 1;
 		walk_line(w, l, from, loop && end == start);
 		end = l->link[1 - from];

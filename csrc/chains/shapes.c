@@ -40,8 +40,9 @@ static void add_to_key(uint64_t key[2], const void *data, size_t bytes)
 		a ^= a >> 31;
 		b ^= b >> 27;
 	}
-	word = data ? 1 : 0;
-	memcpy(&word, p, bytes);
+	word = data != NULL;
+	if (bytes)
+		memcpy(&word, p, bytes);
 	key[0] = stir(a ^ word);
 	key[1] = stir(b + word);
 }
@@ -50,8 +51,8 @@ static void key_of(recipe *r)
 {
 	const encre_mesh *m = r->mesh;
 	size_t n = (size_t)m->n_primitives, corners = (is_line(m) ? 2 : 3) * n;
-	const int32_t numbers[] = {m->kind, m->n_primitives, m->n_points};
-	add_to_key(r->key, numbers, sizeof numbers);
+	r->key[0] = stir((uint64_t)m->kind << 32 | (uint32_t)m->n_primitives);
+	r->key[1] = stir((uint32_t)m->n_points);
 	add_to_key(r->key, m->points, 12 * (size_t)m->n_points);
 	add_to_key(r->key, m->corners, 4 * corners);
 	add_to_key(r->key, m->edges, n);
@@ -219,14 +220,16 @@ static bool find_tree(shape *s, const encre_mesh *m)
 
 static bool find_lines(shape *s, const encre_mesh *m)
 {
-	s->edges = malloc(((size_t)m->n_primitives + 1) * sizeof *s->edges);
-	for (int32_t i = 0; s->edges && i < m->n_primitives; i++) {
-		int32_t ends[2];
-		for (int k = 0; k < 2; k++)
-			ends[k] = s->place[m->corners ? m->corners[2 * i + k] : 2 * i + k];
-		s->edges[s->n_edges++] = (mesh_edge){.end = {ends[0], ends[1]}, .face = {-1, -1}};
+	s->edges = calloc((size_t)m->n_primitives + 1, sizeof *s->edges);
+	if (!s->edges)
+		return false;
+	s->n_edges = m->n_primitives;
+	for (int32_t i = 0; i < 2 * m->n_primitives; i++) {
+		mesh_edge *e = s->edges + i / 2;
+		e->end[i % 2] = s->place[m->corners ? m->corners[i] : i];
+		e->face[i % 2] = -1;
 	}
-	return s->edges;
+	return true;
 }
 
 void shape_free(shape *s)
@@ -254,7 +257,7 @@ static shape *make_shape(const recipe *r)
 	memcpy(s->key, r->key, sizeof s->key);
 	size_t n = is_line(m) ? 0 : (size_t)m->n_primitives;
 	s->n_triangles = (int32_t)n;
-	s->place = malloc(((size_t)m->n_points + 1) * sizeof *s->place);
+	s->place = calloc((size_t)m->n_points + 1, sizeof *s->place);
 	s->edge_of = malloc((3 * n + 1) * sizeof *s->edge_of);
 	s->next = malloc((3 * n + 1) * sizeof *s->next);
 	s->piece = malloc((n + 1) * sizeof *s->piece);
@@ -331,7 +334,7 @@ static int by_key(const void *a, const void *b)
 static shape *known_shape(const kept_shapes *kept, const recipe *r)
 {
 	shape wanted = {.key = {r->key[0], r->key[1]}}, *key = &wanted;
-	shape **found = kept->n ? bsearch(&key, kept->all, (size_t)kept->n, sizeof key, by_key) : NULL;
+	shape **found = kept->n ? bsearch(&key, kept->all, (size_t)kept->n, sizeof *kept->all, by_key) : NULL;
 	return found ? *found : NULL;
 }
 

@@ -13,8 +13,8 @@ from reference.passes import COLUMN, FAMILIES, JUNCTION
 ROWS = Path(__file__).parents[2] / "csrc" / "fine" / "families.rows.h"
 FIRST = {"CRACK": 0, "RIDGE": 16, "MORE": 32}  # of a word of marks, among the numbers that are shuffled
 WORDS = {name.lower(): FIRST[word or dict(CRACK="CRACK", THIN="RIDGE", VALLEY="MORE")[kind]] + int(bit)
-         for kind, name, word, bit in re.findall(r"^(?!CHAIN)(\w+)_FAMILY\((\w+),.*?(RIDGE|MORE|), +(\d+)\)", ROWS.read_text(),
-                                                 re.MULTILINE)}
+         for kind, name, word, bit in re.findall(
+             r"^(?!CHAIN)(\w+)_FAMILY\((\w+),.*?(RIDGE|MORE|), +(\d+)\)", ROWS.read_text(), re.MULTILINE)}
 SETTINGS = dict(edge_color=2.0, edge_light=3.0, edge_seen=1.0, edge_threshold=0.05)
 TILE, WIDE, MARGIN = (60, 70), 10, 12  # two tiles; strips, and what lies around them and may say what they show
 

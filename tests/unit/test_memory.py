@@ -47,6 +47,13 @@ def raster(library, _settings):
                           outputs=("depth", "normal", "object", "marks", "creases", "coincident"))
 
 
+def chains(library, _settings):
+    points = np.random.default_rng(0).uniform(-1, 1, (60, 3)).astype(np.float32)
+    meshes = [Mesh(points * scale, np.arange(60, dtype=np.int32).reshape(-1, 3), object_index=1) for scale in (1, 0.7)]
+    matrix = np.eye(4)
+    return {"points": library.chains(meshes, matrix, matrix, Frame(40, 30), (40, 30), -1, -1, threads=3)}
+
+
 def bake(library, settings):
     texture = np.random.default_rng(0).random((61, 90, 3), np.float32)
     form = np.tile(np.float32((1, 0, 2)), (61, 90, 1)) if not settings else None
@@ -81,7 +88,7 @@ BEHIND = background, twice
 JOBS = [(background, {}), (twice, {}), (twice, dict(edge_detector="DOG", line_search="WALK")), (light, {}),
         (render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
         (render, dict(edge_detector="DOG", line_search="WALK")),
-        (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {}),
+        (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {}), (chains, {}),
         (bake, {}), (bake, dict(contrast_auto=True))]
 
 

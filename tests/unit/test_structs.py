@@ -25,6 +25,8 @@ MIRRORS = {
     "encre_frame": abi.Frame,
     "encre_mesh": abi.Mesh,
     "encre_raster_job": abi.RasterJob,
+    "encre_chain_point": abi.ChainPoint,
+    "encre_chain_job": abi.ChainJob,
     "encre_bake_job": abi.BakeJob,
     "encre_geometry": abi.Geometry,
     "encre_texture": abi.Texture,
