@@ -155,11 +155,39 @@ static spot spot_of(const frame *f, const site *s)
 	return at;
 }
 
+/* Of a line that chains tell: on the surface that it is of, whatever passes in front of it or touches it. */
+static spot spot_on(const frame *f, const site *s)
+{
+	int x = s->placed.near_x, y = s->placed.near_y;
+	float left = floorf(s->placed.x), top = floorf(s->placed.y), sum = 0, own = object_at(f, x, y);
+	spot at = {0};
+	if (!f->layer[ENCRE_LAYER_ANCHOR].data || !(anchor_at(f, x, y)[ANCHOR_PIXEL] > 0))
+		return spot_of(f, s);
+	for (int k = 0; k < 5; k++) { /* the four about it, and where they are of other things its own */
+		int px = k < 4 ? clamp_index((int)left + (k & 1), f->width) : x,
+		    py = k < 4 ? clamp_index((int)top + (k >> 1), f->height) : y;
+		const float *anchor = anchor_at(f, px, py);
+		float dx = s->placed.x - (float)px, dy = s->placed.y - (float)py;
+		float weight = k < 4 ? clamp01(1 - fabsf(dx)) * clamp01(1 - fabsf(dy)) : 1e-3f;
+		if (object_at(f, px, py) != own || !(anchor[ANCHOR_PIXEL] > 0) || !(weight > 0))
+			continue;
+		add_place(anchor, dx, dy, weight, &at);
+		at.unit += weight * anchor[ANCHOR_PIXEL];
+		sum += weight;
+	}
+	for (int c = 0; c < 3; c++)
+		at.p[c] = bounded(at.p[c] / sum);
+	at.unit = min(at.unit / sum * f->scale, 1e30f);
+	return at;
+}
+
 /* Of a thin thing that covers no pixel centre there, between the places where it covers some again. */
 static spot spot_between(const frame *f, const site *s)
 {
 	const fine *n = f->fine;
 	between b = {0};
+	if (is_chain(s))
+		return spot_on(f, s);
 	if (s->found.family == FAMILY_THIN)
 		b = between_of(n, (uint32_t)(s - n->site));
 	if (!b.hits)

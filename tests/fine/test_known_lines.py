@@ -131,10 +131,10 @@ def test_what_gives_way_makes_others_give_way_as_much_less():
 
 
 def test_what_is_left_of_creases_and_spans_next_to_nothing_is_not_drawn():
-    short = line([(30, 30), (33, 30)], "crease")
+    short = line([(30, 30), (32, 30)], "crease")
     assert not drawn(flat(), short, line_min_length=0.0).any()
-    assert drawn(flat(), line([(30, 30), (35, 30)], "crease"), line_min_length=0.0).any()
-    assert drawn(flat(), line([(30, 30), (33, 30)], "mark"), line_min_length=0.0).any()
+    assert drawn(flat(), line([(30, 30), (34, 30)], "crease"), line_min_length=0.0).any()
+    assert drawn(flat(), line([(30, 30), (32, 30)], "mark"), line_min_length=0.0).any()
 
 
 @pytest.mark.parametrize("layers", [step(3, 2), flat(depth=4.0) | {"object": flat(number=3)["object"]}])

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* Px that they must span; how much of its width a place must have to count; pixels from end to end. */
-static const float least_span = 4, least_keep = 0.05f, together = 0.5f;
+static const float least_span = 3, least_keep = 0.05f, together = 0.5f;
 
 typedef struct part {
 	double left, top, right, bottom;

@@ -126,16 +126,11 @@ static void drop_ring(const fine *n, uint32_t i)
 
 /* How far from one site to the next; of an edge of a mesh as if it were as wide as others, for the little that is left
  * of one beside an outline is a speck. */
-static bool bends_only(const site *s)
-{
-	return s->found.family == FAMILY_CREASE || s->found.family == FAMILY_CHAIN_CREASE;
-}
-
 static float inked(const fine *n, uint32_t i, uint32_t j)
 {
 	const site *s = n->site + i, *t = n->site + j;
 	float left = 1;
-	if (bends_only(s) && bends_only(t))
+	if (s->found.family == FAMILY_CREASE && t->found.family == FAMILY_CREASE)
 		left -= (float)(s->placed.eased + t->placed.eased) / 510;
 	return left * sqrtf(apart2(s, t));
 }
