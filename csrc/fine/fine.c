@@ -159,9 +159,9 @@ enum part {
 	BOUND = 1 << 5,   /* kept */
 	FOUND = 1 << 6,   /* count, first, and of each site: found */
 	PLACED = 1 << 7,
-	CELLS = 1 << 8,  /* cell, member */
-	KEPT = 1 << 9,   /* linked */
-	LINKS = 1 << 10, /* at, to, known */
+	CELLS = 1 << 8,   /* cell, member */
+	KEPT = 1 << 9,    /* linked */
+	LINKS = 1 << 10,  /* at, to, known */
 	CHAINS = 1 << 11, /* chains, chain, chain_made, chain_link, replaced */
 	MARKS = LAYERS | CRACKS | HITS | THROUGH | RIDGES
 };
@@ -182,13 +182,15 @@ static const pass passes[] = {
 	{"see through", has_seen, ISA(seen_run), LAYERS, THROUGH, NULL},
 	{"mark ridges", NULL, mark_ridges, LAYERS | CRACKS | HITS | THROUGH, RIDGES, BROKEN(ridges)},
 	{"mark valleys", has_forms, ISA(valley_run), LAYERS | CRACKS | RIDGES, CRACKS | RIDGES, BROKEN(ridges)},
-	{"leave to chains", has_chains, ISA(chains_leave), LAYERS | CHAINS | CRACKS | RIDGES, CRACKS | RIDGES, BROKEN(cracks)},
+	{"leave to chains", has_chains, ISA(chains_leave), LAYERS | CHAINS | CRACKS | RIDGES, CRACKS | RIDGES,
+	 BROKEN(cracks)},
 	{"bound", NULL, ISA(fine_bound), MARKS, BOUND, NULL},
 	{"gather", NULL, ISA(fine_gather), MARKS | BOUND, FOUND | PLACED, BROKEN(sites)},
 	{"sort", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"claim", NULL, ISA(fine_claim), FOUND | PLACED | CELLS, KEPT | PLACED, BROKEN(claims)},
 	{"link", NULL, ISA(fine_link), CRACKS | FOUND | PLACED | CELLS | KEPT, LINKS | KEPT, BROKEN(links)},
-	{"link chains", has_chains, ISA(chains_link), CHAINS | FOUND | PLACED | CELLS | LINKS, LINKS | KEPT, BROKEN(links)},
+	{"link chains", has_chains, ISA(chains_link), CHAINS | FOUND | PLACED | CELLS | LINKS, LINKS | KEPT,
+	 BROKEN(links)},
 	{"tie", NULL, ISA(fine_tie), FOUND | PLACED | CELLS | KEPT | LINKS, LINKS | PLACED, BROKEN(links)},
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
 	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},

@@ -51,7 +51,8 @@ static const char *broken_bound(const fine *n)
 		uint32_t count = 0;
 		for (uint32_t i = 0; i < n->count; i++) {
 			const found *at = &n->site[i].found;
-			count += !is_chain(n->site + i) && at->column >= t.x && at->column < t.end && at->row >= t.y && at->row < t.last;
+			count += !is_chain(n->site + i) && at->column >= t.x && at->column < t.end && at->row >= t.y &&
+				 at->row < t.last;
 		}
 		if (count > most_of(n->f, k))
 			return "a tile has no more sites than it may";
@@ -74,7 +75,8 @@ const char *broken_sites(const fine *n)
 			return "sites are counted by family and row";
 		if (at->column >= width || at->row >= height || s->near_x >= width || s->near_y >= height)
 			return "sites lie in the frame and take their controls there";
-		if (!is_chain(n->site + i) && !(fabsf(s->x - (float)at->column) <= 2 && fabsf(s->y - (float)at->row) <= 2))
+		if (!is_chain(n->site + i) &&
+		    !(fabsf(s->x - (float)at->column) <= 2 && fabsf(s->y - (float)at->row) <= 2))
 			return "sites lie where they were found";
 		if (!(s->strength >= 0 && s->strength <= FLT_MAX))
 			return "a strength is a number";

@@ -49,7 +49,8 @@ static void join_end(ends *e, uint32_t end)
 			uint32_t other = e->slot[at] - 1;
 			const station *o = end_of(e->s, other);
 			if (fabs(o->x - t->x) < (double)together && fabs(o->y - t->y) < (double)together) {
-				int32_t a = root_of(e->up, (int32_t)(end / 2)), b = root_of(e->up, (int32_t)(other / 2));
+				int32_t a = root_of(e->up, (int32_t)(end / 2)),
+					b = root_of(e->up, (int32_t)(other / 2));
 				e->up[a > b ? a : b] = a < b ? a : b;
 				break;
 			}

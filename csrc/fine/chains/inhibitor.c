@@ -7,12 +7,12 @@ enum { ROUNDS = 4 };
 
 /* Px between lines up to which one gives way, in full from half of that on. */
 static const float reach = 3;
-static const float slit = 2;                     /* px between the sides of a slit of which one stays */
-static const float abreast = 0.6f;               /* pixels along the way */
+static const float slit = 2;                        /* px between the sides of a slit of which one stays */
+static const float abreast = 0.6f;                  /* pixels along the way */
 static const float parallel = 0.94f, along = 0.98f; /* cosines */
-static const float even = 10;                    /* pixels each way over which it is evened */
-static const float same_depth = 1e-4f;           /* of the depth */
-static const float own_way = 2.5f;               /* times the reach: along a run it is beside itself from there on */
+static const float even = 10;                       /* pixels each way over which it is evened */
+static const float same_depth = 1e-4f;              /* of the depth */
+static const float own_way = 2.5f;                  /* times the reach: along a run it is beside itself from there on */
 
 /* ---- the mean along a run -------------------------------------------------------------------------------- */
 
@@ -25,7 +25,8 @@ static float value_of(const station *t, enum station_value value)
 	return 0;
 }
 
-float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far, enum station_value value)
+float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far,
+			enum station_value value)
 {
 	const station *t = s->at;
 	float sum = value_of(t + i, value), weights = 1;
@@ -67,7 +68,8 @@ static bool gives_way(const stations *s, const station *a, const station *b, flo
 		return is_folded(b) ? is_later(a, b) : true;
 	if (is_folded(a) || is_folded(b))
 		return false;
-	return mine < 0 && its < 0 && fabsf(right) < slit * s->px && a->behind == b->behind && a->x + a->y > b->x + b->y;
+	return mine < 0 && its < 0 && fabsf(right) < slit * s->px && a->behind == b->behind &&
+	       a->x + a->y > b->x + b->y;
 }
 
 /* Station gives way to `to` by so much. */

@@ -125,10 +125,10 @@ int32_t ISA(stations_sort)(stations *s)
 
 /* Px. What is wider is no thin thing. */
 static const float widest = 24;
-static const float abreast = 0.8f;              /* pixels along the way by which both contours may lie apart */
-static const float parted = 0.5f, beside = 0.8f; /* cosines of contours that have nothing to do with each other, and
-						    that run along each other */
-static const float rod = 0.05f, tip = 0.15f;     /* sines of contours of a rod, and of a tip */
+static const float abreast = 0.8f;                 /* pixels along the way by which both contours may lie apart */
+static const float parted = 0.5f, beside = 0.8f;   /* cosines of contours that have nothing to do with each other, and
+						      that run along each other */
+static const float rod = 0.05f, tip = 0.15f;       /* sines of contours of a rod, and of a tip */
 static const float even_least = 9, even_mean = 10; /* px along the run over which it is evened */
 
 /* Takes what lies across from a contour in the cells about a place. */
@@ -182,7 +182,8 @@ static void even_least_apart(void *data, int first, int end, int thread)
 				least = min(least, s->at[b].apart);
 				sine = max(sine, s->at[b].sine);
 			}
-			for (uint32_t b = a + 1; b < last && s->at[b].s - s->at[a].s < reach && is_drawn(s->at + b); b++) {
+			for (uint32_t b = a + 1; b < last && s->at[b].s - s->at[a].s < reach && is_drawn(s->at + b);
+			     b++) {
 				least = min(least, s->at[b].apart);
 				sine = max(sine, s->at[b].sine);
 			}

@@ -60,7 +60,9 @@ static void put(placing *p, const encre_chain_point *of, double x, double y, con
 					    .behind = of->behind,
 					    .run = of->run,
 					    .kind = of->kind,
-					    .side = (int8_t)(of->side > 0 ? 1 : of->side < 0 ? -1 : 0),
+					    .side = (int8_t)(of->side > 0   ? 1
+							     : of->side < 0 ? -1
+									    : 0),
 					    .flags = (uint8_t)flags};
 	p->count++;
 }
@@ -135,8 +137,8 @@ static void put_run(placing *p, int64_t from, int64_t end)
 			continue;
 		if (!(fabs(u1 - u0) <= 2 * length + 1)) /* it is none of an edge */
 			u1 = u0 + length;
-		double step = (double)station_step,
-		       phase = phase_of(b), low = u0 < u1 ? u0 : u1, high = u0 < u1 ? u1 : u0;
+		double step = (double)station_step, phase = phase_of(b), low = u0 < u1 ? u0 : u1,
+		       high = u0 < u1 ? u1 : u0;
 		double i0 = ceil(low / step - phase), i1 = ceil(high / step - phase) - 1;
 		for (double i = 0; i <= i1 - i0; i++) {
 			double at = step * ((u1 > u0 ? i0 + i : i1 - i) + phase), t = (at - u0) / (u1 - u0),

@@ -5,38 +5,39 @@
 
 #include "fine/near.h"
 
-/* Of two lines that lie close the more important one stays: a boundary is one of numbers, or where surfaces pass through
- * each other. */
+/* Of two lines that lie close the more important one stays: a boundary is one of numbers, or where surfaces pass
+ * through each other. */
 enum importance { IMPORTANCE_CREASE, IMPORTANCE_BOUNDARY, IMPORTANCE_MARK, IMPORTANCE_CONTOUR };
 
 /* What is true of a station. */
 enum {
-	STATION_NONE = 1,    /* it is no line: it bends too little, or its style draws none */
-	STATION_WEAK = 2,    /* it is one only where it goes on from one that is not weak */
-	STATION_ADDED = 4,   /* a corner or an end, between those that lie evenly: it counts for no other line */
-	STATION_HIDDEN = 8,  /* the layers show something else there */
-	STATION_FIRST = 16,  /* of its run */
+	STATION_NONE = 1,   /* it is no line: it bends too little, or its style draws none */
+	STATION_WEAK = 2,   /* it is one only where it goes on from one that is not weak */
+	STATION_ADDED = 4,  /* a corner or an end, between those that lie evenly: it counts for no other line */
+	STATION_HIDDEN = 8, /* the layers show something else there */
+	STATION_FIRST = 16, /* of its run */
 	STATION_LAST = 32,
 	STATION_CLOSED = 64, /* the first or last of a run that goes round */
 	STATION_TIED = 128,  /* the first or last, where the run meets others */
 };
 
 typedef struct station {
-	double x, y;             /* pixels of the full frame */
-	float dx, dy;            /* the way of its run, of length 1 */
-	float s;                 /* pixels along the run */
+	double x, y;  /* pixels of the full frame */
+	float dx, dy; /* the way of its run, of length 1 */
+	float s;      /* pixels along the run */
 	float depth, bend, gap, along, fade;
-	float growth;            /* 0..1: what bends hardly more than asked is thinner */
-	float solid;             /* likewise, for all reasons but other lines */
-	float keep;              /* 0..1: what is left of its width */
-	float apart, across;     /* pixels to the other contour of the thing that it bounds: evened along the run, and there */
-	float sine, tapers;      /* of the angle with that contour; how much the thing comes to a tip, 0..1 */
+	float growth; /* 0..1: what bends hardly more than asked is thinner */
+	float solid;  /* likewise, for all reasons but other lines */
+	float keep;   /* 0..1: what is left of its width */
+	float apart,
+		across; /* pixels to the other contour of the thing that it bounds: evened along the run, and there */
+	float sine, tapers; /* of the angle with that contour; how much the thing comes to a tip, 0..1 */
 	float strength;
 	int32_t mesh, edge, object, behind, run, kind;
 	uint16_t near_x, near_y; /* of the image: where it takes its controls */
 	int8_t side;
 	uint8_t importance, source, flags;
-	bool agrees, tells;      /* the layers show what it is of; whether they can tell */
+	bool agrees, tells; /* the layers show what it is of; whether they can tell */
 } station;
 
 /* Pixels from station to station. */
@@ -83,7 +84,8 @@ float ISA(station_radius)(const stations *s, const station *t);
 /* inhibitor.c: what gives way to lines beside it; and the mean of a value along a run, whose stations these are, as
  * far as it is drawn, with weights that fall to 0 `far` pixels away. */
 enum station_value { STATION_APART, STATION_KEEP };
-float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far, enum station_value value);
+float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far,
+			enum station_value value);
 int32_t ISA(stations_give_way)(stations *s);
 /* replaced.c: what pixels do not make, as chains tell it. */
 int32_t ISA(chains_replace)(stations *s);

@@ -61,8 +61,7 @@ static bool is_meant(const fine *n, const site *s)
 {
 	if (is_chain(s))
 		return (rank_of(s) == RANK_SHAPE && !chain_of(n, s)->folded) || is_by_hand(n, s);
-	return (rank_of(s) == RANK_SHAPE && !s->placed.told && bounds_thing(n->f, &s->found)) ||
-	       is_by_hand(n, s);
+	return (rank_of(s) == RANK_SHAPE && !s->placed.told && bounds_thing(n->f, &s->found)) || is_by_hand(n, s);
 }
 
 static float least_length(const frame *f, const site *s)

@@ -209,7 +209,9 @@ static int ridge_links(const fine *n, uint32_t i, uint32_t *to)
 static int links_of(const fine *n, fingers *f, uint32_t i, uint32_t *to)
 {
 	const site *s = n->site + i;
-	return s->linked.dropped || is_chain(s) ? 0 : is_crack(s->found.family) ? crack_links(n, f, i, to) : ridge_links(n, i, to);
+	return s->linked.dropped || is_chain(s) ? 0
+	       : is_crack(s->found.family)      ? crack_links(n, f, i, to)
+						: ridge_links(n, i, to);
 }
 
 /* ---- all links ------------------------------------------------------------------------------------------- */
