@@ -140,8 +140,10 @@ static float nearest_along(const fine *n, uint32_t from, uint32_t end, int step,
 	for (uint32_t i = from; i != end; i += (uint32_t)step) {
 		const site *s = n->site + n->member[i];
 		float dx = s->placed.x - x, dy = s->placed.y - y, d2 = dx * dx + dy * dy;
-		if (step * dx > 0 && fabsf(dx) > CELL + 1 && (fabsf(dx) - CELL - 1) * (fabsf(dx) - CELL - 1) > best)
-			break; /* members of a cell lie in any order */
+		/* members of a cell lie in any order, and those beyond the frame in its first or last one */
+		float ahead = fabsf(min(max(s->placed.x, 0), (float)(n->f->width - 1)) - x);
+		if (step * dx > 0 && ahead > CELL + 1 && (ahead - CELL - 1) * (ahead - CELL - 1) > best)
+			break;
 		if (s->linked.dropped || d2 >= best)
 			continue;
 		best = d2;

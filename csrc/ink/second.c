@@ -92,9 +92,11 @@ static float about(const frame *f, const placed *s, float half, float threshold)
 static float bare_at(const frame *f, const site *made, float half, float threshold)
 {
 	const found *at = &made->found;
-	if (!(made->linked.crowd > 0) || at->family != FAMILY_CRACK || at->axis > AXIS_COLUMN)
+	if (!(made->linked.crowd > 0) || (at->family != FAMILY_CRACK && !is_chain(made)) || at->axis > AXIS_COLUMN)
 		return -1;
 	int dx = at->axis == AXIS_ROW, dy = 1 - dx, x = at->column, y = at->row;
+	if (x + dx >= f->width || y + dy >= f->height) /* of a frame that has one row or column */
+		return -1;
 	bool ahead = depth_at(f, x + dx, y + dy) < depth_at(f, x, y); /* the thing is */
 	float far = (ahead ? -1 : 1) * (1.42f * half + 2);            /* slanted lines are cut aslant */
 	float own = value_at(f, x + ahead * dx, y + ahead * dy),

@@ -51,8 +51,10 @@ static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
 	float x = (float)(t->x - f->place.x), y = (float)(t->y - f->place.y), radius = ISA(station_radius)(s, t);
 	bool row = fabsf(t->dy) > fabsf(t->dx); /* the line crosses it */
 	*made = (site){
-		.found = {.column = (uint16_t)(row ? clamp_index((int)floorf(x), f->width) : pixel_of(x, f->width)),
-			  .row = (uint16_t)(row ? pixel_of(y, f->height) : clamp_index((int)floorf(y), f->height)),
+		.found = {.column = (uint16_t)(row ? clamp_index((int)floorf(x), f->width - (f->width > 1))
+						   : pixel_of(x, f->width)),
+			  .row = (uint16_t)(row ? pixel_of(y, f->height)
+						: clamp_index((int)floorf(y), f->height - (f->height > 1))),
 			  .family = is_shape(t) ? FAMILY_CHAIN_SHAPE : FAMILY_CHAIN_CREASE,
 			  .axis = row ? AXIS_ROW : AXIS_COLUMN},
 		.placed = {.x = x,

@@ -179,7 +179,8 @@ static bool is_double(const fine *n, const site *s, const site *t, const float w
  * there, its border is that fold once more, and must be farther off. */
 static float light_room(const fine *n, const site *older, float apart)
 {
-	bool turns = is_fold(n, older) || ISA(crease_smooth)(n, &older->found);
+	bool turns = is_chain(older) ? chain_of(n, older)->folded || (chain_of(n, older)->kind & ENCRE_CHAIN_SMOOTH)
+				     : is_fold(n, older) || ISA(crease_smooth)(n, &older->found);
 	return turns ? max(0, closed_light + (apart - closed_fold) * (wide - closed_light) / (wide_light - closed_fold))
 		     : apart;
 }
