@@ -31,6 +31,7 @@ FLOAT(color_length, SURFACE, 0, 0, 4096, 0, 512, "px", "edge_detector=FINE", "Co
 FLOAT(edge_light, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "", "Light", "Weight of boundaries between levels of discrete light")
 FLOAT(light_length, SURFACE, 0, 0, 4096, 0, 512, "px", "edge_light&edge_detector=FINE", "Light Length", "Such lines that are shorter than this, in all that hangs together, are thinner, and below half of it gone; 0: all stay")
 FLOAT(edge_mark, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "", "Marked Edges", "Weight of edges of meshes that are marked by hand, as Freestyle edges")
+BOOL(edge_pieces, SURFACE, 0, "edge_normal&edge_detector=FINE", "Flush Pieces", "Lines also where loose pieces of a mesh, or objects of one material, lie side by side in one plane: books, planks, tiles")
 FLOAT(edge_seen, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "edge_detector=FINE", "Seen", "Weight of lines in what mirrors and clear glass show")
 FLOAT(seen_length, SURFACE, 0, 0, 4096, 0, 512, "px", "edge_seen&edge_detector=FINE", "Seen Length", "Such lines that are shorter than this, in all that hangs together, are thinner, and below half of it gone; 0: all stay")
 FLOAT(edge_suggestive, SURFACE, 0, 0, FLT_MAX, 0, 4, "", "edge_detector=FINE", "Suggestive Contours", "Weight of lines where a smooth form nearly turns away: a nose, lips and folds seen from the front")

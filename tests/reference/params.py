@@ -8,7 +8,7 @@ DEFAULTS = {
     "edge_detector": "DOG", "depth_space": "INVERSE", "color_detector": "CONTRAST", "color_layer": "ALBEDO",
     "edge_threshold": 0.5, "edge_sigma": 1.0, "depth_near": 0.1, "depth_far": 100.0,
     "edge_depth": 1.0, "edge_normal": 1.0, "edge_object": 1.0, "edge_material": 0.0, "edge_color": 0.0,
-    "edge_seen": 1.0, "edge_light": 0.0, "edge_mark": 1.0, "edge_suggestive": 0.0,
+    "edge_seen": 1.0, "edge_light": 0.0, "edge_mark": 1.0, "edge_pieces": False, "edge_suggestive": 0.0,
     "suggestive_scale": 6.0, "suggestive_length": 48.0, "light_length": 0.0, "color_length": 0.0, "seen_length": 0.0,
     "sobel_shape_threshold": 0.25,
     "crease_angle": 32.0, "crease_smooth": 60.0, "crease_source": "AUTO", "edge_bump": 0.0,

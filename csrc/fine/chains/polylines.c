@@ -7,8 +7,8 @@
 
 static const float least_keep = 0.02f; /* of a width: less is not seen */
 static const float beyond_frame = 12;  /* pixels beside the image where lines still reach into it */
-/* Pixels from the end of a run to the line that it meets; what is nearer lies at one place. */
-static const float tie_reach = 1, one_place = 0.03f;
+/* Pixels from the end of a run to the line that it meets, two steps of stations; what is nearer lies at one place. */
+static const float tie_reach = 1.6f, one_place = 0.03f;
 static const float own_run = 4; /* pixels along a run that do not count as another line */
 
 static const uint32_t no_site = UINT32_MAX;
@@ -120,10 +120,18 @@ static int32_t make_sites(stations *s)
 		if (i && !(s->at[i].flags & STATION_FIRST))
 			add_link(n, number[i - 1], number[i]);
 	}
-	for (int32_t i = 0; !code && i < s->runs; i++)
-		if (s->first[i] < s->first[i + 1] && (s->at[s->first[i]].flags & STATION_CLOSED) &&
-		    s->first[i + 1] - s->first[i] > 2)
-			add_link(n, number[s->first[i]], number[s->first[i + 1] - 1]);
+	for (int32_t i = 0; !code && i < s->runs; i++) {
+		uint32_t first = s->first[i], last = s->first[i + 1] - 1;
+		if (s->first[i] == s->first[i + 1] || !(s->at[first].flags & STATION_CLOSED))
+			continue;
+		uint32_t one = number[first], other = number[last];
+		if (last - first > 1)
+			add_link(n, one, other);
+		if (one == no_site && other != no_site)
+			n->chain[other].tied = true;
+		if (one != no_site && other == no_site)
+			n->chain[one].tied = true;
+	}
 	late_drop(&n->f->late, number);
 	return code;
 }

@@ -243,7 +243,7 @@ static void judge(const stations *s, station *t)
 	placed made = {.x = (float)(t->x - n->f->place.x), .y = (float)(t->y - n->f->place.y)};
 	float before = clamp01((t->gap / s->px - least_gap) / (full_gap - least_gap));
 	bool bent = flush || (kind & (ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_MEET));
-	float bends = bent ? growth_of(s, p, t) : -1;
+	float bends = flush && p->edge_pieces ? 1 : bent ? growth_of(s, p, t) : -1;
 	bool weak = t->flags & STATION_WEAK;
 	bool parts = kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER | ENCRE_CHAIN_MATERIAL | ENCRE_CHAIN_MEET);
 	t->importance = contour                   ? IMPORTANCE_CONTOUR
