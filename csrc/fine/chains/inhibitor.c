@@ -91,24 +91,26 @@ static uint32_t pairs_at(const stations *s, uint32_t i, pair *to)
 	uint32_t count = 0;
 	if (!is_drawn(a))
 		return 0;
-	station_walk w = stations_near(&s->grid, a->x, a->y, far + abreast);
-	for (uint32_t j; station_next(&s->grid, &w, &j);) {
-		const station *b = s->at + j;
-		float ex = (float)(b->x - a->x), ey = (float)(b->y - a->y);
-		if (fabsf(ex * a->dx + ey * a->dy) > abreast)
-			continue;
-		float right = ey * a->dx - ex * a->dy, across = fabsf(right), dot = a->dx * b->dx + a->dy * b->dy,
-		      cosine = fabsf(dot);
-		if (!(across > 0 && across < far) || cosine < parallel || j == i ||
-		    (b->run == a->run && fabsf(b->s - a->s) < own_way * far) || !gives_way(s, a, b, right, dot))
-			continue;
-		float share = clamp01(2 - 2 * across / far) * clamp01((cosine - parallel) / (along - parallel));
-		if (!(share > 0))
-			continue;
-		if (to)
-			to[count] = (pair){j, share};
-		count++;
-	}
+	const station_grid *g = &s->grid;
+	float x = (float)(a->x - g->x), y = (float)(a->y - g->y), dx = a->dx, dy = a->dy;
+	station_rows w = rows_near(g, a->x, a->y, far + abreast);
+	while (next_row(g, &w))
+		for (uint32_t k = w.from; k < w.end; k++) {
+			float ex = g->px[k] - x, ey = g->py[k] - y, right = ey * dx - ex * dy, across = fabsf(right),
+			      dot = dx * g->dx[k] + dy * g->dy[k], cosine = fabsf(dot);
+			if ((fabsf(ex * dx + ey * dy) > abreast) | (across >= far) | (cosine < parallel))
+				continue;
+			const station *b = s->at + g->station[k];
+			if (!(across > 0) || b == a || (b->run == a->run && fabsf(b->s - a->s) < own_way * far) ||
+			    !gives_way(s, a, b, right, dot))
+				continue;
+			float share = clamp01(2 - 2 * across / far) * clamp01((cosine - parallel) / (along - parallel));
+			if (!(share > 0))
+				continue;
+			if (to)
+				to[count] = (pair){g->station[k], share};
+			count++;
+		}
 	return count;
 }
 

@@ -154,8 +154,8 @@ int32_t ISA(chains_find)(fine *n)
 	code = code ? code : make_sites(&s);
 	code = code ? code : ISA(chains_replace)(&s);
 	late_drop(&n->f->late, s.mean);
-	late_drop(&n->f->late, s.grid.member);
-	late_drop(&n->f->late, s.grid.count);
+	late_drop(&n->f->late, s.grid.px);
+	late_drop(&n->f->late, s.grid.station);
 	late_drop(&n->f->late, s.grid.first);
 	late_drop(&n->f->late, s.at);
 	late_drop(&n->f->late, s.first);

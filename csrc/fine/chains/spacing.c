@@ -33,7 +33,8 @@ static int by_importance(const void *a, const void *b)
 
 typedef struct choosing {
 	stations *s;
-	member *list; /* by thread */
+	uint32_t *count; /* by cell */
+	member *list;    /* by thread */
 	uint32_t room;
 } choosing;
 
@@ -47,7 +48,7 @@ static void choose_members(void *data, int first, int end, int thread)
 	for (int row = first; row < end && !bands_stopped(s->n->f->bands); row++)
 		for (size_t cell = (size_t)row * (size_t)g->across; cell < ((size_t)row + 1) * (size_t)g->across;
 		     cell++) {
-			uint32_t *own = g->member + g->first[cell], count = g->count[cell];
+			uint32_t *own = g->station + g->first[cell], count = c->count[cell];
 			if (count <= g->most)
 				continue;
 			for (uint32_t k = 0; k < count; k++) {
@@ -57,7 +58,7 @@ static void choose_members(void *data, int first, int end, int thread)
 			qsort(list, count, sizeof *list, by_importance);
 			for (uint32_t k = 0; k < g->most; k++)
 				own[k] = list[k].station;
-			g->count[cell] = g->most;
+			c->count[cell] = g->most;
 		}
 }
 
@@ -70,6 +71,26 @@ static size_t cell_at(const station_grid *g, const station *t)
 static bool is_member(const station *t)
 {
 	return is_drawn(t) && !(t->flags & STATION_ADDED);
+}
+
+/* Moves those that were chosen together, and fills what is asked of them. */
+static void close_up(stations *s, const uint32_t *count, size_t cells)
+{
+	station_grid *g = &s->grid;
+	uint32_t to = 0;
+	for (size_t k = 0; k < cells; k++) {
+		const uint32_t *from = g->station + g->first[k];
+		g->first[k] = to;
+		for (uint32_t i = 0; i < count[k]; i++, to++) {
+			const station *t = s->at + from[i];
+			g->station[to] = from[i];
+			g->px[to] = (float)(t->x - g->x);
+			g->py[to] = (float)(t->y - g->y);
+			g->dx[to] = t->dx;
+			g->dy[to] = t->dy;
+		}
+	}
+	g->first[cells] = to;
 }
 
 int32_t ISA(stations_sort)(stations *s)
@@ -85,39 +106,47 @@ int32_t ISA(stations_sort)(stations *s)
 	g->across = (int)((f->x + n->f->width + MARGIN - g->x) / cell) + 1;
 	g->tall = (int)((f->y + n->f->height + MARGIN - g->y) / cell) + 1;
 	size_t cells = (size_t)g->across * (size_t)g->tall;
-	g->first = late_take(&n->f->late, cells, sizeof *g->first);
-	g->count = late_take(&n->f->late, cells, sizeof *g->count);
-	g->member = late_take(&n->f->late, s->count, sizeof *g->member);
-	if (!g->first || !g->count || !g->member)
+	uint32_t *count = late_take(&n->f->late, cells, sizeof *count);
+	g->first = late_take(&n->f->late, cells + 1, sizeof *g->first);
+	g->station = late_take(&n->f->late, s->count, sizeof *g->station);
+	g->px = late_take(&n->f->late, 4 * (size_t)s->count, sizeof *g->px);
+	if (!count || !g->first || !g->station || !g->px)
 		return ENCRE_ERROR_MEMORY;
-	memset(g->count, 0, cells * sizeof *g->count);
+	g->py = g->px + s->count;
+	g->dx = g->py + s->count;
+	g->dy = g->dx + s->count;
+	memset(count, 0, cells * sizeof *count);
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < s->count; i++) {
 		code = at_step(n, i);
 		if (is_member(s->at + i))
-			g->count[cell_at(g, s->at + i)]++;
+			count[cell_at(g, s->at + i)]++;
 	}
 	uint32_t sum = 0, most = 0;
 	for (size_t k = 0; k < cells; k++) {
 		g->first[k] = sum;
-		sum += g->count[k];
-		most = g->count[k] > most ? g->count[k] : most;
-		g->count[k] = 0;
+		sum += count[k];
+		most = count[k] > most ? count[k] : most;
+		count[k] = 0;
 	}
 	for (uint32_t i = 0; !code && i < s->count; i++) {
 		code = at_step(n, i);
 		if (!is_member(s->at + i))
 			continue;
 		size_t own = cell_at(g, s->at + i);
-		g->member[g->first[own] + g->count[own]++] = i;
+		g->station[g->first[own] + count[own]++] = i;
 	}
-	if (code || most <= g->most)
-		return code;
-	choosing c = {s, late_take(&n->f->late, (size_t)bands_threads(n->f->bands) * most, sizeof *c.list), most};
-	if (!c.list)
-		return ENCRE_ERROR_MEMORY;
-	code = bands_run(n->f->bands, g->tall, ROWS, choose_members, &c);
-	late_drop(&n->f->late, c.list);
+	if (!code && most > g->most) {
+		choosing c = {s, count,
+			      late_take(&n->f->late, (size_t)bands_threads(n->f->bands) * most, sizeof *c.list), most};
+		if (!c.list)
+			return ENCRE_ERROR_MEMORY;
+		code = bands_run(n->f->bands, g->tall, ROWS, choose_members, &c);
+		late_drop(&n->f->late, c.list);
+	}
+	if (!code)
+		close_up(s, count, cells);
+	late_drop(&n->f->late, count);
 	return code;
 }
 
@@ -134,20 +163,23 @@ static const float even_least = 9, even_mean = 10; /* px along the run over whic
 /* Takes what lies across from a contour in the cells about a place. */
 static void look_across(const stations *s, station *t, double x, double y, const float in[2], float most)
 {
-	station_walk w = stations_near(&s->grid, x, y, abreast);
-	for (uint32_t j; station_next(&s->grid, &w, &j);) {
-		const station *o = s->at + j;
-		if (o->importance != IMPORTANCE_CONTOUR || !o->side || o->object != t->object)
-			continue;
-		float ex = (float)(o->x - t->x), ey = (float)(o->y - t->y), across = ex * in[0] + ey * in[1];
-		if (fabsf(ex * t->dx + ey * t->dy) > abreast || across < 0.3f || across >= t->apart)
-			continue;
-		float dot = t->dx * o->dx + t->dy * o->dy, cosine = fabsf(dot);
-		if (cosine < parted || (dot > 0 ? 1 : -1) * o->side * t->side > 0)
-			continue;
-		t->apart = mix(most, across, clamp01((cosine - parted) / (beside - parted)));
-		t->sine = fabsf(t->dx * o->dy - t->dy * o->dx);
-	}
+	const station_grid *g = &s->grid;
+	float x0 = (float)(t->x - g->x), y0 = (float)(t->y - g->y);
+	station_rows w = rows_near(g, x, y, abreast);
+	while (next_row(g, &w))
+		for (uint32_t j = w.from; j < w.end; j++) {
+			float ex = g->px[j] - x0, ey = g->py[j] - y0, across = ex * in[0] + ey * in[1];
+			if (fabsf(ex * t->dx + ey * t->dy) > abreast || across < 0.3f || across >= t->apart)
+				continue;
+			const station *o = s->at + g->station[j];
+			if (o->importance != IMPORTANCE_CONTOUR || !o->side || o->object != t->object)
+				continue;
+			float dot = t->dx * o->dx + t->dy * o->dy, cosine = fabsf(dot);
+			if (cosine < parted || (dot > 0 ? 1 : -1) * o->side * t->side > 0)
+				continue;
+			t->apart = mix(most, across, clamp01((cosine - parted) / (beside - parted)));
+			t->sine = fabsf(t->dx * o->dy - t->dy * o->dx);
+		}
 }
 
 static void measure_stations(void *data, int first, int end, int thread)
@@ -221,10 +253,27 @@ float ISA(station_radius)(const stations *s, const station *t)
 static const float counted = 6, full_apart = 2.4f, least_left = 0.2f;
 static const float counted_along = 0.375f, same_line = 0.1f, level = 0.9f; /* pixels; pixels; a cosine */
 
+/* Of members from .. end - 1 those that lie beside a station. */
+static int count_abreast(const station_grid *g, uint32_t from, uint32_t end, const station *t, float reach)
+{
+	const float *restrict px = g->px + from, *restrict py = g->py + from, *restrict dx = g->dx + from,
+			      *restrict dy = g->dy + from;
+	float x = (float)(t->x - g->x), y = (float)(t->y - g->y), wx = t->dx, wy = t->dy;
+	int n = (int)(end - from), count = 0;
+	for (int i = 0; i < n; i++) {
+		float ex = px[i] - x, ey = py[i] - y, across = fabsf(ey * wx - ex * wy);
+		int beside_it = (fabsf(ex * wx + ey * wy) < counted_along) & (across > same_line) & (across < reach) &
+				(fabsf(wx * dx[i] + wy * dy[i]) > level);
+		count += beside_it;
+	}
+	return count;
+}
+
 static void thin_out(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const stations *s = data;
+	const station_grid *g = &s->grid;
 	float reach = counted * s->px;
 	/* fewer stations than two lines have in all of these cells */
 	uint32_t few = (uint32_t)(2 * 2 * (reach + s->grid.cell) / station_step);
@@ -233,20 +282,14 @@ static void thin_out(void *data, int first, int end, int thread)
 		uint32_t all = 0;
 		if (!is_drawn(t))
 			continue;
-		station_walk w = stations_near(&s->grid, t->x, t->y, reach);
-		for (int row = w.row; row <= w.last; row++)
-			for (int x = w.x0; x <= w.x1; x++)
-				all += s->grid.count[(size_t)row * (size_t)s->grid.across + (size_t)x];
+		station_rows w = rows_near(g, t->x, t->y, reach), again = w;
+		while (next_row(g, &w))
+			all += w.end - w.from;
 		if (all < few)
 			continue;
 		int count = 1;
-		for (uint32_t j; station_next(&s->grid, &w, &j);) {
-			const station *o = s->at + j;
-			float ex = (float)(o->x - t->x), ey = (float)(o->y - t->y),
-			      across = fabsf(ey * t->dx - ex * t->dy);
-			count += fabsf(ex * t->dx + ey * t->dy) < counted_along && across > same_line &&
-				 across < reach && fabsf(t->dx * o->dx + t->dy * o->dy) > level;
-		}
+		while (next_row(g, &again))
+			count += count_abreast(g, again.from, again.end, t, reach);
 		t->solid *= min(max(2 * counted / (float)count / full_apart, least_left), 1);
 	}
 }

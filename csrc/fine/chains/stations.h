@@ -44,14 +44,15 @@ typedef struct station {
 static const float station_step = 0.75f;
 
 /* Stations by square cells of the full frame, so that a part of it has the same ones; in each at most so many, the most
- * important ones. */
+ * important ones. Those of the cells of a row lie one after the other, with what is asked of all that are near. */
 typedef struct station_grid {
 	int across, tall;
 	float cell;  /* pixels */
 	double x, y; /* of the first cell, in the full frame */
 	uint32_t most;
-	uint32_t *first, *member; /* member[first[i]] to member[first[i] + count[i] - 1] */
-	uint32_t *count;
+	uint32_t *first;          /* by cell, and one more */
+	uint32_t *station;        /* which one it is */
+	float *px, *py, *dx, *dy; /* its place, from that of the first cell, and its way */
 } station_grid;
 
 typedef struct stations {
@@ -103,42 +104,32 @@ static inline bool is_folded(const station *t)
 	return t->behind == t->object && t->side;
 }
 
-/* The cells about a place, as a walk over their stations. */
-typedef struct station_walk {
-	int row, last, x0, x1, x;
-	uint32_t i, end;
-} station_walk;
-
 static inline int grid_index(double at, double from, float cell, int count)
 {
-	int i = (int)((at - from) / (double)cell);
-	return clamp_index(i, count);
+	return clamp_index((int)((at - from) / (double)cell), count);
 }
 
-static inline station_walk stations_near(const station_grid *g, double x, double y, float reach)
+/* Rows of cells about a place; members from .. end - 1 of a row are near. */
+typedef struct station_rows {
+	int row, last, x0, x1;
+	uint32_t from, end;
+} station_rows;
+
+static inline station_rows rows_near(const station_grid *g, double x, double y, float reach)
 {
-	station_walk w = {.row = grid_index(y - (double)reach, g->y, g->cell, g->tall),
-			  .last = grid_index(y + (double)reach, g->y, g->cell, g->tall),
-			  .x0 = grid_index(x - (double)reach, g->x, g->cell, g->across),
-			  .x1 = grid_index(x + (double)reach, g->x, g->cell, g->across)};
-	w.x = w.x0;
-	return w;
+	return (station_rows){.row = grid_index(y - (double)reach, g->y, g->cell, g->tall),
+			      .last = grid_index(y + (double)reach, g->y, g->cell, g->tall),
+			      .x0 = grid_index(x - (double)reach, g->x, g->cell, g->across),
+			      .x1 = grid_index(x + (double)reach, g->x, g->cell, g->across)};
 }
 
-static inline bool station_next(const station_grid *g, station_walk *w, uint32_t *station)
+static inline bool next_row(const station_grid *g, station_rows *w)
 {
-	while (w->i == w->end) {
-		if (w->row > w->last)
-			return false;
-		size_t cell = (size_t)w->row * (size_t)g->across + (size_t)w->x;
-		w->i = g->first[cell];
-		w->end = w->i + g->count[cell];
-		if (w->x++ == w->x1) {
-			w->x = w->x0;
-			w->row++;
-		}
-	}
-	*station = g->member[w->i++];
+	if (w->row > w->last)
+		return false;
+	const uint32_t *first = g->first + (size_t)w->row++ * (size_t)g->across;
+	w->from = first[w->x0];
+	w->end = first[w->x1 + 1];
 	return true;
 }
 
