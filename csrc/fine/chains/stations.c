@@ -24,6 +24,7 @@ typedef struct placing {
 	uint32_t count;
 	double x, y; /* of the last one */
 	float along_run;
+	int32_t run;
 } placing;
 
 /* On the grid where floats are exact: a part of a frame has the same ones. */
@@ -58,7 +59,7 @@ static void put(placing *p, const encre_chain_point *of, double x, double y, con
 					    .edge = of->edge,
 					    .object = of->object,
 					    .behind = of->behind,
-					    .run = of->run,
+					    .run = p->run,
 					    .kind = of->kind,
 					    .side = (int8_t)(of->side > 0   ? 1
 							     : of->side < 0 ? -1
@@ -117,6 +118,12 @@ static double phase_of(const encre_chain_point *p)
 	return h - floor(h);
 }
 
+/* Whether a run may meet others at its end, which the frame has not cut off. */
+static bool is_tied(const encre_chain_point *end)
+{
+	return end->end != ENCRE_END_FRAME;
+}
+
 static void put_run(placing *p, int64_t from, int64_t end)
 {
 	const encre_chain_point *q = p->s->point;
@@ -127,8 +134,8 @@ static void put_run(placing *p, int64_t from, int64_t end)
 		first++;
 	if (first == end)
 		return;
-	int tied = q[from].end == ENCRE_END_NODE || q[from].end == ENCRE_END_HIDDEN ? STATION_TIED : 0;
-	put(p, q + from, (double)q[from].x, (double)q[from].y, way, q[from].depth, q[from].along[0],
+	int tied = is_tied(q + from) ? STATION_TIED : 0;
+	put(p, q + first, (double)q[from].x, (double)q[from].y, way, q[from].depth, q[first].along[0],
 	    STATION_ADDED | STATION_FIRST | tied | (closed ? STATION_CLOSED : 0));
 	for (int64_t k = first; k < end; k++) {
 		const encre_chain_point *a = q + k - 1, *b = q + k;
@@ -151,7 +158,7 @@ static void put_run(placing *p, int64_t from, int64_t end)
 	}
 	double x = (double)q[end - 1].x, y = (double)q[end - 1].y;
 	put_corners(p, corner, end - 1, x, y, 0);
-	tied = q[end - 1].end == ENCRE_END_NODE || q[end - 1].end == ENCRE_END_HIDDEN ? STATION_TIED : 0;
+	tied = is_tied(q + end - 1) ? STATION_TIED : 0;
 	if (!closed)
 		put(p, q + end - 1, x, y, way, q[end - 1].depth, q[end - 1].along[1],
 		    STATION_ADDED | STATION_LAST | tied);
@@ -164,8 +171,8 @@ static void place_runs(void *data, int first, int end, int thread)
 	(void)thread;
 	const stations *s = data;
 	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
-		placing p = {.s = s, .to = s->at ? s->at + s->first[i] : NULL};
-		put_run(&p, s->run[i], s->run[i + 1]);
+		placing p = {.s = s, .to = s->at ? s->at + s->first[i] : NULL, .run = i};
+		put_run(&p, s->run[i][0], s->run[i][1]);
 		if (!s->at)
 			s->first[i + 1] = p.count;
 	}
@@ -317,23 +324,43 @@ static void hold_runs(void *data, int first, int end, int thread)
 
 /* ---- all ------------------------------------------------------------------------------------------------- */
 
+/* Whether the way to a point may be a line in some style. */
+static bool may_be_line(const stations *s, const encre_chain_point *p)
+{
+	enum { BENDS = ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_SMOOTH };
+	return (p->kind & ~BENDS) || p->bend >= s->least_bend[(p->kind & ENCRE_CHAIN_SMOOTH) != 0];
+}
+
+static bool follows(const stations *s, int64_t i)
+{
+	return i > 0 && s->point[i].run == s->point[i - 1].run && may_be_line(s, s->point + i);
+}
+
 static int32_t find_runs(stations *s)
 {
 	fine *n = s->n;
 	int64_t runs = 0;
-	for (int64_t i = 0; i < s->points; i++)
-		runs += !i || s->point[i].run != s->point[i - 1].run;
+	s->least_bend[0] = s->least_bend[1] = INFINITY;
+	for (int i = 0; i < n->f->n_styles; i++) {
+		s->least_bend[0] = min(s->least_bend[0], n->f->params[i].crease_angle);
+		s->least_bend[1] = min(s->least_bend[1], least_smooth * n->f->params[i].crease_smooth);
+	}
+	for (int64_t i = 1; i < s->points; i++)
+		runs += follows(s, i) && !follows(s, i - 1);
 	if (runs >= INT32_MAX)
 		return ENCRE_ERROR_MEMORY;
-	s->run = late_take(&n->f->late, (size_t)runs + 1, sizeof *s->run);
+	s->run = late_take(&n->f->late, (size_t)runs, sizeof *s->run);
 	s->first = late_take(&n->f->late, (size_t)runs + 1, sizeof *s->first);
 	if (!s->run || !s->first)
 		return ENCRE_ERROR_MEMORY;
-	for (int64_t i = 0, k = 0; i < s->points; i++)
-		if (!i || s->point[i].run != s->point[i - 1].run)
-			s->run[k++] = i;
-	s->run[runs] = s->points;
-	s->runs = (int32_t)runs;
+	s->runs = 0;
+	for (int64_t i = 1; i < s->points; i++) {
+		if (!follows(s, i))
+			continue;
+		if (!follows(s, i - 1))
+			s->run[s->runs++][0] = i - 1;
+		s->run[s->runs - 1][1] = i + 1;
+	}
 	return ENCRE_OK;
 }
 

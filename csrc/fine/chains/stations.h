@@ -61,8 +61,10 @@ typedef struct stations {
 	const encre_chain_point *point;
 	int64_t points;
 	int32_t runs;
-	int64_t *run;    /* by run, and one more: its first point */
-	uint32_t *first; /* likewise: its first station */
+	float least_bend[2]; /* degrees, of an edge and of one that is shaded smoothly, that are a line in any style */
+	int64_t (
+		*run)[2]; /* by run: its first point, and the first after it; what is no line in any style parts them */
+	uint32_t *first;  /* by run, and one more: its first station */
 	uint32_t count;
 	station *at;
 	station_grid grid;
