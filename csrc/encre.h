@@ -276,8 +276,8 @@ typedef struct encre_job {
 	encre_progress progress; /* may be NULL */
 	void *user;
 	int64_t nonfinite; /* out: how many values of the layers that are read were NaN or infinite and read as 0 */
-	int64_t same;      /* 0, or a number that is one of this context's next jobs' only if its layers and chains hold the
-			      same values: then edges are found once for all, as long as they are the same */
+	int64_t same; /* 0, or a number that is one of this context's next jobs' only if its layers and chains hold the
+			 same values: then edges are found once for all, as long as they are the same */
 	/* What encre_chains() gave for this frame, in the same pixels; NULL: nothing is known. FINE takes lines of
 	 * shapes from it where `chained` tells so, and finds the others in the layers. */
 	const encre_chain_point *chains;

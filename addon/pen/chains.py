@@ -94,7 +94,7 @@ def unpack(text: Any) -> Chains:
     table = np.frombuffer(data[bits:], np.uint8).reshape(columns, 4, count).transpose(0, 2, 1)
     whole = np.ascontiguousarray(table).view("<i4")[..., 0]
     sums = iter(np.cumsum(whole[:-2], axis=1, dtype=np.int32))
-    points = np.zeros(count, abi.CHAIN_POINT)
+    points: Any = np.zeros(count, abi.CHAIN_POINT)
     end = np.cumsum(whole[-2] + whole[-1], dtype=np.int32)
     for name in _COLUMNS:
         column = np.stack([end - whole[-1], end], 1) if name == "along" else next(sums)

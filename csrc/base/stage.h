@@ -88,8 +88,8 @@ typedef struct frame {
 	plane output[ENCRE_OUTPUT_COUNT]; /* COMBINED never absent: stages from shade on change it in place */
 	encre_camera camera;
 	encre_frame place;
-	float scale;   /* pixels of this frame per "px" of a parameter (length_unit) */
-	float metered; /* factor on light that brings full light to 1 (shade_meter) */
+	float scale;                     /* pixels of this frame per "px" of a parameter (length_unit) */
+	float metered;                   /* factor on light that brings full light to 1 (shade_meter) */
 	const encre_chain_point *chains; /* these four as the job has them */
 	int64_t n_chains;
 	const uint8_t *chained;

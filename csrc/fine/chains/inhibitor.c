@@ -30,9 +30,9 @@ float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t 
 {
 	const station *t = s->at;
 	float sum = value_of(t + i, value), weights = 1;
-	for (uint32_t b = i; b-- > first && t[i].s - t[b].s < far && is_drawn(t + b);) {
-		float weight = 1 - (t[i].s - t[b].s) / far;
-		sum += weight * value_of(t + b, value);
+	for (uint32_t b = i; b > first && t[i].s - t[b - 1].s < far && is_drawn(t + b - 1); b--) {
+		float weight = 1 - (t[i].s - t[b - 1].s) / far;
+		sum += weight * value_of(t + b - 1, value);
 		weights += weight;
 	}
 	for (uint32_t b = i + 1; b < end && t[b].s - t[i].s < far && is_drawn(t + b); b++) {

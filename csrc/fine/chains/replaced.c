@@ -80,7 +80,7 @@ static void leave_rows(void *data, int y0, int y1, int thread)
 		uint16_t *ridge = n->ridge + (ptrdiff_t)y * width;
 		memcpy(n->uncut + (ptrdiff_t)y * width, crack, (size_t)width);
 		for (int x = next_marked(crack, 0, width); x < width; x = next_marked(crack, x + 1, width))
-			crack[x] &= (uint8_t) ~(replaced_between(n, x, y, 0) | replaced_between(n, x, y, 1));
+			crack[x] &= (uint8_t)~(replaced_between(n, x, y, 0) | replaced_between(n, x, y, 1));
 		int normals = 0;
 		for (int axis = 0; axis < 2 && !n->bumps; axis++)
 			normals |= mark_of(FAMILY_NORMAL, axis) | mark_of(FAMILY_NORMAL_BAND, axis);

@@ -194,8 +194,13 @@ static void measure_stations(void *data, int first, int end, int thread)
 		if (!is_drawn(t) || t->importance != IMPORTANCE_CONTOUR || !t->side)
 			continue;
 		float in[2] = {-t->dy * t->side, t->dx * t->side};
-		for (float far = 0.5f; far <= most && far < t->apart + 1; far += s->grid.cell)
+		int steps = (int)((most - 0.5f) / s->grid.cell) + 1;
+		for (int k = 0; k < steps; k++) {
+			float far = 0.5f + (float)k * s->grid.cell;
+			if (far > most || far >= t->apart + 1)
+				break;
 			look_across(s, t, t->x + (double)(far * in[0]), t->y + (double)(far * in[1]), in, most);
+		}
 		t->across = t->apart;
 	}
 }
@@ -210,9 +215,10 @@ static void even_least_apart(void *data, int first, int end, int thread)
 		uint32_t from = s->first[i], last = s->first[i + 1];
 		for (uint32_t a = from; a < last; a++) {
 			float least = s->at[a].apart, sine = s->at[a].sine;
-			for (uint32_t b = a; b-- > from && s->at[a].s - s->at[b].s < reach && is_drawn(s->at + b);) {
-				least = min(least, s->at[b].apart);
-				sine = max(sine, s->at[b].sine);
+			for (uint32_t b = a; b > from && s->at[a].s - s->at[b - 1].s < reach && is_drawn(s->at + b - 1);
+			     b--) {
+				least = min(least, s->at[b - 1].apart);
+				sine = max(sine, s->at[b - 1].sine);
 			}
 			for (uint32_t b = a + 1; b < last && s->at[b].s - s->at[a].s < reach && is_drawn(s->at + b);
 			     b++) {

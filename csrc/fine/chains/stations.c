@@ -147,9 +147,10 @@ static void put_run(placing *p, int64_t from, int64_t end)
 		double step = (double)station_step, phase = phase_of(b), low = u0 < u1 ? u0 : u1,
 		       high = u0 < u1 ? u1 : u0;
 		double i0 = ceil(low / step - phase), i1 = ceil(high / step - phase) - 1;
-		for (double i = 0; i <= i1 - i0; i++) {
-			double at = step * ((u1 > u0 ? i0 + i : i1 - i) + phase), t = (at - u0) / (u1 - u0),
-			       x = (double)a->x + t * ((double)b->x - (double)a->x),
+		int64_t steps = (int64_t)(i1 - i0);
+		for (int64_t i = 0; i <= steps; i++) {
+			double at = step * ((u1 > u0 ? i0 + (double)i : i1 - (double)i) + phase),
+			       t = (at - u0) / (u1 - u0), x = (double)a->x + t * ((double)b->x - (double)a->x),
 			       y = (double)a->y + t * ((double)b->y - (double)a->y);
 			put_corners(p, corner, k, x, y, 0);
 			corner = k;

@@ -250,7 +250,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 	stripe b;
 	if (form == FORM_COLOR)
 		encode(n, value - 1, 7);
-	if (!stripe_of((const float(*)[3])value, planes, n->floor[at->family], is->faint, &b))
+	if (!stripe_of((const float (*)[3])value, planes, n->floor[at->family], is->faint, &b))
 		return false;
 	if (form == FORM_COLOR &&
 	    ((b.weak && stripe_width(value - 1, planes, &b) > widest_weak) || among_alike(n, is->sample, at)))
@@ -331,7 +331,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	if (form == FORM_LIGHT && is_nothing(n, at->column, at->row))
 		return false;
 	read_along(n, source, at, reach, around, far);
-	float(*value)[3] = around + reach - 2;
+	float (*value)[3] = around + reach - 2;
 	if (band)
 		return far[0] >= 2 && far[1] >= 2 && band_site(n, at, s, value);
 	sides(value, planes, &low, &high);
@@ -347,7 +347,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		encode(n, value, 5);
 	/* where a surface turns away it turns ever faster: the slope up to the last pixel, or to what goes back, goes
 	 * on at least as steeply */
-	int back = form == FORM_VECTOR ? outdone((const float(*)[3])around + reach, far) : 0;
+	int back = form == FORM_VECTOR ? outdone((const float (*)[3])around + reach, far) : 0;
 	int from = far[0] < 2 || back & 1, to = 4 - (far[1] < 2 || back & 2);
 	for (int c = 0; c < planes; c++) {
 		float d = value[3][c] - value[1][c],
