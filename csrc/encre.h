@@ -204,14 +204,18 @@ typedef struct encre_context encre_context;
  * which is at work, refuses all that it is asked for meanwhile, and encre_destroy() does nothing. */
 typedef bool (*encre_progress)(void *user, double fraction);
 
+#define ENCRE_SHADE 0.35f
+
 typedef struct encre_camera {
 	float view[9];        /* rotation world -> camera, row by row: of length 1, at right angles; may be mirrored */
 	int32_t orthographic; /* 0 or 1 */
 	float height;         /* orthographic: height of the full frame in scene units, > 0 */
 	float distance;       /* perspective: depth of what the picture is about, which a relative line_depth_distance
 				 is a multiple of; 0: not known, and that is in scene units */
-	float light; /* diffuse light of what faces the strongest lamp, which is 1 with shade_meter LAMPS; 0: not
-			known, and light is as it is */
+	float light; /* with shade_meter LAMPS: diffuse light that is full light, 1; 0: not known, and light is as it
+			is */
+	float shade; /* likewise, less than that: light of the shade, which is ENCRE_SHADE; between these light grows
+			evenly, and below; 0: it does everywhere */
 } encre_camera;
 
 /* Full frame in pixels, at most 65536 each way, and where the images' top left pixel lies in it (border rendering).

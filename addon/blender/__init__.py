@@ -23,6 +23,7 @@ lamps is the drawn light's scene, meter how much is full light, subject how far 
 painting makes and fills attributes of controls, control_nodes does so by Geometry Nodes, strokes turns drawings into
 marks. handlers is what Blender calls by itself, migration keeps old files' look, listener waits for a key.
 study shows people two looks side by side and asks which they prefer.
+skies tells the light of a world and what is seen of it, receivers what light things receive.
 
 To add: a setting of an object or a material to properties; what else a mesh tells to triangles; what depends on the
 number of Blender's version to versions, with the reason, and nowhere else. Nothing here knows the command line.

@@ -11,7 +11,7 @@ from ..pen import abi, background, chains, library, overlay
 from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import Sky, directions
-from . import cameras, filters, lamps, materials, meshes, mirrors, pictures, subject, trees, unseen, volumes, worlds
+from . import cameras, filters, lamps, materials, meshes, mirrors, pictures, skies, subject, trees, unseen, volumes
 
 _SHOWS = 0.5         # alpha from which on a surface is there, as Blender's threshold is
 _MOST_BEHIND = 8     # surfaces that are looked through, one after the other
@@ -62,7 +62,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         notes.append(f"in their viewport colour, as only Cycles can show them: {', '.join(unknown)}")
     world = filters.world(depsgraph)
     try:
-        sky = worlds.sky(world)
+        sky = skies.seen(world)
     except trees.Unknown as e:
         sky = Sky(np.array(world.color))
         notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
@@ -149,7 +149,8 @@ class Scene:
     def camera(self, view, projection):
         orthographic = projection[3, 3] == 1
         return Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
-                      0 if orthographic else self.subject.distance(view, projection), self.subject.light)
+                      0 if orthographic else self.subject.distance(view, projection), self.subject.light,
+                      self.subject.shade)
 
     def layers(self, view, projection, frame, size, settings, threads=0, go_on=None):
         """({layer: picture}, Camera), as library.draw() takes them.

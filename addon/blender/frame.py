@@ -129,7 +129,7 @@ class Frames:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                                   "orthographic cameras see; make it one of them")
         denoise_other, missing = overrides.denoiser(depsgraph, settings.shaded, self.overrode)
-        denoise_other = denoise_other or settings.cuts_mirrored
+        denoise_other = denoise_other or settings.denoises_other
         if missing:
             self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
@@ -210,7 +210,8 @@ class Frames:
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
             eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
-                         0 if orthographic else about.distance(view, projection), about.light)
+                         0 if orthographic else about.distance(view, projection), about.light,
+                         about.shade)
 
             for note in unseen.far_away(view, projection, about.distance(view, projection), height) if objects else ():
                 self.engine.say("WARNING", note)

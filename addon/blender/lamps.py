@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What drawn light needs of a scene: lamps as Cycles takes them, what they light, and what throws shadows."""
 
+import contextlib
 from dataclasses import dataclass, field, fields
 
 import numpy as np
@@ -8,11 +9,13 @@ import numpy as np
 from ..pen.irradiance import polynomials
 from ..pen.job import EVERY_SET, Bend, Lamp
 from ..pen.scene import Scene
-from . import cutouts, filters, pictures, trees, versions, wanted, worlds
+from . import cutouts, filters, pictures, receivers, skies, trees, versions, wanted, worlds
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
 _MOST_SETS, _MOST_BENDS = 64, 64
+_SIDES = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z], np.float64)
+_SIDES /= np.linalg.norm(_SIDES, axis=1)[:, None]
 
 
 @dataclass
@@ -22,6 +25,8 @@ class Kept:
 
     scene: Scene = field(default_factory=Scene)
     geometry: dict = field(default_factory=dict)  # (shape of triangles, how solid) -> number in the scene
+    spots: dict = field(default_factory=dict)     # likewise -> receivers.Spots, where light is measured
+    measured: tuple | None = None                 # what was measured last: (by what, receivers.Found)
     textures: dict = field(default_factory=dict)  # Cutout -> number in the scene
     told: set = field(default_factory=set)        # of the textures: those that the scene need not be told again
     numbered: int = 0                             # geometries so far
@@ -59,18 +64,24 @@ class Light:
         self.sets, self.materials = _Sets(), {}
         self.used, self.placed, self.lamps = set(), 0, 0
         self.said = []  # all that the scene was told, by which two of them are compared
-        self.world, self.bends, self.exposure = None, [], filters.exposure(depsgraph)
+        self.instances = []  # (as Scene.instance() takes it, receivers.Spots where the camera sees it, who moves it)
+        self.around, self.bends, self.exposure = skies.Around(), [], filters.exposure(depsgraph)
+        world = filters.world(depsgraph)
         self.suns = np.zeros(3)  # their light, spread to all sides
         try:
-            self.world = worlds.light(filters.world(depsgraph))
+            self.around = skies.light(world)
         except trees.Unknown as e:
             self.unknown.append(f"the world's node {e}")
-        if self.world is not None:
-            self.world = self.world * self.exposure
-        self.free = None if shadowed else self.world  # of the world's light what nothing is in the way of
+        self.world = None if self.around.ambient is None else self.around.ambient * self.exposure
+        self.free = self.world  # of the world's light what nothing is in the way of
         if shadowed and self.world is not None:
-            for lamp in _halves(self.world):
+            halves, self.free = _halves(self.world)
+            for lamp in halves:
                 self._add(lamp)
+        for lamp in suns(self.around, world):
+            lamp.color = lamp.color * self.exposure
+            self.suns = self.suns + lamp.color / (4 * np.pi)
+            self._add(lamp)
         for instance in depsgraph.object_instances:
             kind = instance.object.type
             if kind in ("LIGHT", "EMPTY") and instance.show_self and (
@@ -114,8 +125,9 @@ class Light:
         self.bends.append(Bend(model, obj.encre.bend_light, obj.encre.bend_fade))
         self.said.append((model.tobytes(), obj.encre.bend_light, obj.encre.bend_fade))
 
-    def place(self, obj, blocks, triangles, matrix, seen, casts):
-        """An instance of triangles.Triangles. blocks: the materials of its slots; casts: whether it throws shadows."""
+    def place(self, obj, blocks, triangles, matrix, seen, casts, movers=()):
+        """An instance of triangles.Triangles. blocks: the materials of its slots; casts: whether it throws shadows;
+        movers: the originals that may move or bend it."""
         solid, kept = self._solid(blocks), self.kept
         key = triangles.shape, solid
         self.used.add(key)
@@ -123,6 +135,7 @@ class Light:
             number, kept.numbered = kept.numbered, kept.numbered + 1
             self._geometry(number, triangles, solid)
             kept.geometry[key] = number
+            kept.spots[key] = receivers.spots(triangles.points, triangles.corners)
         for cutout in solid:
             if isinstance(cutout, cutouts.Cutout) and cutout.uv_map in triangles.uvs:
                 self._texture(cutout)
@@ -130,6 +143,8 @@ class Light:
         matrix, shadow_sets = np.array(matrix, np.float64), shadow_sets if casts else 0
         self.scene.instance(self.placed, number, matrix, seen, light_sets, shadow_sets)
         self.said.append((number, matrix.tobytes(), seen, light_sets, shadow_sets))
+        self.instances.append(((number, matrix, seen, light_sets, shadow_sets), kept.spots[key] if seen else None,
+                               movers))
         self.placed += 1
         kept.placed = max(kept.placed, self.placed)
 
@@ -183,7 +198,20 @@ class Light:
             self.scene.lamp(number, None)
         for key in kept.geometry.keys() - self.used:
             self.scene.geometry(kept.geometry.pop(key), None)
+            kept.spots.pop(key)
         kept.placed, kept.lamps = self.placed, self.lamps
+
+    @contextlib.contextmanager
+    def without(self, moved):
+        """Meanwhile what moves, moved(movers), is not there."""
+        gone = [k for k, (_, _, movers) in enumerate(self.instances) if moved(movers)]
+        for k in gone:
+            self.scene.instance(k, None)
+        try:
+            yield
+        finally:
+            for k in gone:
+                self.scene.instance(k, *self.instances[k][0])
 
     def same(self, other):
         """Whether another Light of the same Kept would draw the same."""
@@ -203,19 +231,37 @@ class Light:
 
 # Lamps
 
+def suns(around, world):
+    """The Lamps that a world's suns are; around: its skies.Around."""
+    matt = not getattr(getattr(world, "cycles_visibility", None), "glossy", True)
+    for sun in around.suns:
+        yield Lamp("sun", sun.color, width=sun.width, matt=matt, model=_facing(sun.direction))
+
+
+def _facing(side):
+    """(4, 4) of what shines from this side; any turn about it does."""
+    first = np.cross(np.eye(3)[np.argmin(np.abs(side))], side)
+    first = first / np.linalg.norm(first)
+    model = np.eye(4)
+    model[:3, :3] = np.column_stack([first, np.cross(side, first), side])
+    return model
+
+
 def _halves(world):
-    """The Lamps that give the light from all sides, (9, 3), each half of it: suns that fill half of the sky. Each is as
-    bright all over as is what falls on a surface that faces it, and they part the sky where it changes most: exact for
-    one colour, for a picture of the world about it."""
+    """(the Lamps that give most of the light from all sides, (9, 3), each half of the sky; what is left of that
+    light). Each half is as bright all over; they part the sky where it changes most. Exact for one color; of other
+    skies as much is left as that in the open all is as it was."""
     axis = world[1:4].sum(1)
     axis = axis / np.linalg.norm(axis) if np.linalg.norm(axis) > 1e-3 * np.abs(world[0]).sum() else np.eye(3)[2]
-    first = np.cross(np.eye(3)[np.argmin(np.abs(axis))], axis)  # any turn about it does
-    across = first / np.linalg.norm(first), np.cross(axis, first / np.linalg.norm(first))
-    for side in (axis, -axis):
-        model = np.eye(4)
-        model[:3, :3] = np.column_stack([*across, side])
-        color = np.pi * np.maximum(polynomials(side) @ world, 0)
-        yield Lamp("sun", color, width=np.pi, matt=True, model=model)
+    falls = [np.maximum(polynomials(side) @ world, 0) for side in (axis, -axis)]
+    whole = np.zeros((9, 3))
+    whole[0], whole[1:4] = (falls[0] + falls[1]) / 2, axis[:, None] * (falls[0] - falls[1]) / 2
+    all_, halves = polynomials(_SIDES) @ world, polynomials(_SIDES) @ whole
+    share = np.clip(np.min(np.where(halves > 1e-9, all_ / np.maximum(halves, 1e-9), 1), 0), 0, 1)
+    lamps = [Lamp("sun", np.pi * share * fall, width=np.pi, matt=True, model=_facing(side))
+             for side, fall in zip((axis, -axis), falls, strict=True)]
+    rest = world - share * whole
+    return lamps, rest if np.abs(rest).max() > 1e-6 * np.abs(world).max() else None
 
 
 def told(obj, matrix, unknown=None):

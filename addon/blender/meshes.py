@@ -170,7 +170,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         made = [(key, triangles) for key, triangles in made if triangles is not None]
         if light:
             for _, triangles in made:
-                light.place(obj, blocks, triangles, instance.matrix_world, seen, casts)
+                light.place(obj, blocks, triangles, instance.matrix_world, seen, casts, (top.original, obj.original))
         if not seen or not made:
             continue
         number = len(owners)

@@ -28,7 +28,8 @@ class Subject:
     place: np.ndarray | None = None  # the focus, in world space
     focus: float = 0.0               # its distance, where it is set as a number
     size: float = 0.0
-    light: float = 0.0               # of what faces the strongest lamp: meter.py
+    light: float = 0.0               # that is full light, and of the shade: meter.py
+    shade: float = 0.0
 
     def distance(self, view, projection):
         """In scene units along the axis of a perspective camera; 0 where there is nothing to tell it from. `view`,
@@ -40,16 +41,17 @@ class Subject:
 
 def read(depsgraph, camera=None, drawn=None):
     """The Subject of a scene; camera: an evaluated one whose focus counts; drawn: the lamps.Light, all of it placed."""
-    things = _Things(depsgraph)
-    size = things.size()
-    light = meter.light(filters.world(depsgraph), things.lamps, things.boxes, size, drawn)
+    things = Things(depsgraph)
+    size, metered = things.size(), meter.read(filters.world(depsgraph), things.lamps, things, drawn)
+    light, shade = metered.light, metered.shade
+    meter.found[depsgraph.scene.name_full] = metered
     focus = camera and camera.data.dof
     if focus and focus.focus_object:
         place = np.append(focus.focus_object.evaluated_get(depsgraph).matrix_world.translation, 1)
-        return Subject(place, size=size, light=light)
+        return Subject(place, size=size, light=light, shade=shade)
     if focus and focus.id_data.original.dof.use_dof:  # of the evaluated camera it is switched off
-        return Subject(focus=float(focus.focus_distance), light=light)
-    return Subject(size=size, light=light)
+        return Subject(focus=float(focus.focus_distance), light=light, shade=shade)
+    return Subject(size=size, light=light, shade=shade)
 
 
 def _bounds(obj):
@@ -63,12 +65,12 @@ def _bounds(obj):
     return (points.min(0).astype(np.float64), points.max(0).astype(np.float64)) if len(points) else (2 * _NOWHERE,) * 2
 
 
-class _Things:
+class Things:
     """What stands in a scene. boxes (n, 4, 3): middles and three half axes; places (n, 3), radii (n,); still: whether
     nothing may move it; lamps: (object, matrix) pairs."""
 
     def __init__(self, depsgraph):
-        boxes, still, moving, self.lamps = [], [], {}, []
+        boxes, still, self._moving, self.lamps = [], [], {}, []
         for instance in depsgraph.object_instances:
             obj = instance.object
             if not instance.show_self or obj.type not in (*MESHABLE, "LIGHT"):
@@ -82,12 +84,17 @@ class _Things:
                 continue
             boxes.append([matrix[:3, :3] @ (low + high) / 2 + matrix[:3, 3], *(matrix[:3, :3] * (high - low) / 2).T])
             owner = (instance.parent if instance.is_instance else obj).original
-            if owner.name_full not in moving:
-                moving[owner.name_full] = _moves(owner)
-            still.append(not (moving[owner.name_full] or instance.is_instance and _moves(obj.original)))
+            still.append(not self.moved((owner, obj.original)))
         self.boxes = np.reshape(boxes, (-1, 4, 3))
         self.places, self.radii = self.boxes[:, 0], np.linalg.norm(self.boxes[:, 1:].sum(1), axis=1)
         self.still = np.array(still, bool)
+
+    def moved(self, originals):
+        """Whether something may move or bend any of these objects."""
+        for obj in originals:
+            if obj.name_full not in self._moving:
+                self._moving[obj.name_full] = _moves(obj)
+        return any(self._moving[obj.name_full] for obj in originals)
 
     def size(self):
         """Of the scene: between the radius within which half of what stands still lies and that of its things, because

@@ -54,7 +54,7 @@ class StageInfo(c.Structure):
 
 class Camera(c.Structure):
     _fields_ = [("view", c.c_float * 9), ("orthographic", c.c_int32), ("height", c.c_float), ("distance", c.c_float),
-                ("light", c.c_float)]
+                ("light", c.c_float), ("shade", c.c_float)]
 
 
 class Frame(c.Structure):

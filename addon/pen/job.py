@@ -14,13 +14,15 @@ from .errors import EncreError
 @dataclass
 class Camera:
     """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units; distance:
-    depth of what the picture is about, 0: not known; light: of what faces the strongest lamp, 0: not known."""
+    depth of what the picture is about, 0: not known; light, shade: diffuse light that is full light to shade_meter
+    LAMPS, and that of the shade, 0: not known."""
 
     view: Sequence[float] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
     orthographic: bool = False
     height: float = 1.0
     distance: float = 0.0
     light: float = 0.0
+    shade: float = 0.0
 
 
 @dataclass

@@ -345,7 +345,7 @@ def _put_together(read, layers, light, shading, denoise_other):
     combined, color = read("Combined"), layers["color"]
     other = color * light.rendered[False]
     np.subtract(combined[..., :3], other, out=other)
-    if denoise_other and light.denoise:
+    if denoise_other and light.denoise and np.abs(other).max(initial=0) > _SAME:
         # Nothing but rounding makes it negative in a pixel of its own, and the denoiser knows no negative light.
         guides = layers["albedo"], light.guides[1]
         other = light.denoise(np.maximum(other, 0), *guides) + np.minimum(other, 0)

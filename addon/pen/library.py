@@ -234,7 +234,7 @@ class Library:
         job.n_styles = len(every)
         camera = camera or Camera()
         job.camera = abi.Camera((c.c_float * 9)(*camera.view), bool(camera.orthographic), camera.height,
-                             camera.distance, camera.light)
+                             camera.distance, camera.light, camera.shade)
         frame = frame or Frame(width, height)
         job.frame = abi.frame(frame)
         if told:

@@ -69,7 +69,7 @@ def write(scene: dict[str, Any], styles: Sequence[tuple[str, dict[str, Any]]], c
                  "styles": [{"name": name, "values": values} for name, values in styles]},
         FRAME: asdict(frame),
         CAMERA: {"orthographic": bool(camera.orthographic), "height": float(camera.height),
-                 "distance": float(camera.distance), "light": float(camera.light),
+                 "distance": float(camera.distance), "light": float(camera.light), "shade": float(camera.shade),
                  "view": [float(v) for v in np.ravel(camera.view)]},
     }
     if view:
@@ -144,11 +144,11 @@ def _read_frame(said, stored):
 def _read_camera(said, stored):
     view = np.array(said["view"], np.float64)
     orthographic, height, distance = said["orthographic"], float(said["height"]), float(said.get("distance", 0))
-    light = float(said.get("light", 0))
+    light, shade = float(said.get("light", 0)), float(said.get("shade", 0))
     if view.shape != (9,) or not np.isfinite(view).all() or type(orthographic) is not bool or not height > 0 \
-            or not 0 <= distance < np.inf or not 0 <= light < np.inf:
+            or not 0 <= distance < np.inf or not 0 <= light < np.inf or not (0 <= shade < light or shade == 0):
         raise ValueError
-    stored.camera = Camera(tuple(view), orthographic, height, distance, light)
+    stored.camera = Camera(tuple(view), orthographic, height, distance, light, shade)
 
 
 def _read_border(said, stored):

@@ -172,11 +172,10 @@ class Settings:
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light
 
     @cached_property
-    def cuts_mirrored(self) -> bool:
-        """Whether what mirrors and glass show is cut into levels, so that its noise must go as that of light."""
+    def denoises_other(self) -> bool:
+        """Whether gloss, glass and glow are seen beside flat light, so that their noise must go as that of light."""
         return self.every[0]["light_denoise"] == "OIDN" and any(
-            values["use_shading"] and (values["use_tones"] and values["tone_mirrors"]
-                                       or values["other_light"] and values["reflection_tones"])
+            values["use_shading"] and (values["other_light"] > 0 or values["use_tones"] and values["tone_mirrors"])
             for values in self.every)
 
     @cached_property

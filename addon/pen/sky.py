@@ -8,23 +8,27 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .job import Frame
+from .suns import Sun
 
 
 @dataclass
 class Sky:
     """The sum of a colour (3,) and of equirectangular pictures: (height, width, 3), row 0 at the top, whose middle is
-    seen towards +x and its upper edge towards +z, each with the rotation world -> picture."""
+    seen towards +x and its upper edge towards +z, each with the rotation world -> picture. suns: what shines in it and
+    is in no picture."""
 
     color: np.ndarray = field(default_factory=lambda: np.zeros(3))
     pictures: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+    suns: tuple[Sun, ...] = ()
 
     def __add__(self, other: Sky) -> Sky:
-        return Sky(self.color + other.color, self.pictures + other.pictures)
+        return Sky(self.color + other.color, self.pictures + other.pictures, self.suns + other.suns)
 
     def __mul__(self, factor: float) -> Sky:
         if factor == 1:
             return self
-        return Sky(self.color * factor, tuple((pixels * np.float32(factor), turn) for pixels, turn in self.pictures))
+        return Sky(self.color * factor, tuple((pixels * np.float32(factor), turn) for pixels, turn in self.pictures),
+                   tuple(sun * factor for sun in self.suns))
 
     def seen(self, view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: np.ndarray,
              width: int) -> np.ndarray:
@@ -37,7 +41,7 @@ class Sky:
         """(n, 3) in directions (n, 3) of length 1, world space."""
         out = np.broadcast_to(self.color.astype(np.float32), direction.shape).copy()
         for picture, turn in self.pictures:
-            out += _looked_up(picture, direction @ turn.T)
+            out += looked_up(picture, direction @ turn.T)
         return out
 
 
@@ -52,8 +56,9 @@ def directions(view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: n
     return (ray / np.linalg.norm(ray, axis=1, keepdims=True)) @ view[:3, :3]
 
 
-def _looked_up(picture, direction):
-    """Between the four nearest texels; round the horizon the picture closes."""
+def looked_up(picture: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """(n, 3) of an equirectangular picture in directions (n, 3) of length 1: between the four nearest texels; round the
+    horizon the picture closes."""
     height, width = picture.shape[:2]
     x = (0.5 - np.arctan2(direction[:, 1], direction[:, 0]) / (2 * np.pi)) * width - 0.5
     y = np.arccos(np.clip(direction[:, 2], -1, 1)) / np.pi * height - 0.5

@@ -57,8 +57,11 @@ static int32_t check_camera(const encre_camera *camera, char *error, size_t size
 			      "camera: a distance of %g; give the depth of what the picture is about, or 0",
 			      (double)camera->distance);
 	if (!(camera->light >= 0 && camera->light <= FLT_MAX))
-		return refuse(error, size, "camera: a light of %g; give that of what faces the strongest lamp, or 0",
+		return refuse(error, size, "camera: a light of %g; give that of what is fully lit, or 0",
 			      (double)camera->light);
+	if (!(camera->shade >= 0 && (camera->shade < camera->light || camera->shade == 0)))
+		return refuse(error, size, "camera: a shade of %g; give less than its light, %g, or 0",
+			      (double)camera->shade, (double)camera->light);
 	return ENCRE_OK;
 }
 

@@ -292,6 +292,23 @@ static int32_t run(work *w)
 	return code ? code : bands_run(f->bands, f->height, 0, export_rows, w);
 }
 
+static metering metering_by(const encre_params *p, const encre_camera *camera)
+{
+	float full = 0, shade = 0;
+	if (p->shade_meter == shade_meter_LAMPS) {
+		full = camera->light;
+		shade = camera->shade;
+	} else if (p->shade_meter == shade_meter_FIXED) {
+		full = p->meter_light;
+		shade = p->meter_shade;
+	}
+	if (!(full > 1e-30f))
+		return (metering){FLT_MAX, 1, 0};
+	if (!(shade > 1e-30f && full - shade > 1e-30f))
+		return (metering){FLT_MAX, 1 / full, 0};
+	return (metering){shade, ENCRE_SHADE / shade, (1 - ENCRE_SHADE) / (full - shade)};
+}
+
 int32_t encre_render(encre_context *context, encre_job *job)
 {
 	work w = {.context = context, .job = job};
@@ -313,9 +330,7 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->chained = job->chained;
 	f->n_chained = job->n_chained;
 	f->scale = scale_of(f->params, f->place.height);
-	f->metered = 1;
-	if (f->params->shade_meter == shade_meter_LAMPS && job->camera.light > 1e-30f)
-		f->metered = 1 / job->camera.light;
+	f->metered = metering_by(f->params, &job->camera);
 	bool any = w.out[ENCRE_OUTPUT_EDGES].data || w.out[ENCRE_OUTPUT_LIGHT].data;
 	for (int i = 0; i < f->n_styles; i++) {
 		any |= draws(f->params + i);

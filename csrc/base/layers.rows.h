@@ -14,7 +14,7 @@ ENUM(light_source, FRAME, 0, "layer_source=CYCLES", "Light", "What the light is 
      ITEM(light_source, CYCLES, 0, "Cycles", "As Cycles renders it, with bounced light and noise")
      ITEM(light_source, DRAWN, 1, "Drawn", "Direct light of the scene's lamps and world, drawn exactly and without noise"))
 BOOL(world_shadows, FRAME, 0, "", "World Shadows", "Where light is drawn, things keep the world's light from each other, as in Cycles: corners and contacts are dark. Takes longer")
-ENUM(light_denoise, FRAME, 0, "use_shading&light_source=CYCLES&layer_source=CYCLES", "Denoise Light", "How Monte-Carlo noise is taken out of the light before it is cut into levels",
+ENUM(light_denoise, FRAME, 0, "use_shading&layer_source=CYCLES", "Denoise Light", "How Monte-Carlo noise is taken out of rendered light before it is cut into levels, and out of gloss and glass beside it",
      ITEM(light_denoise, OIDN, 0, "Open Image Denoise", "Denoise the light with the albedo and the normal as guides, where the library is there")
      ITEM(light_denoise, NONE, 1, "None", "Use the light as it was rendered"))
 ENUM(seen_denoise, FRAME, 0, "edge_detector=FINE&layer_source=CYCLES", "Denoise Mirrored", "How Monte-Carlo noise is taken out of what mirrors and clear glass show before lines are looked for in it",

@@ -82,6 +82,11 @@ typedef struct ahead {
 	int x, y, end, apart[13];
 } ahead;
 
+/* From light to what thresholds are compared with: up to a light by one factor, beyond it by another. */
+typedef struct metering {
+	float knee, below, beyond;
+} metering;
+
 typedef struct frame {
 	int width, height;
 	plane layer[ENCRE_LAYER_COUNT]; /* finite values, controls within -1..1, ALBEDO never absent; depth as given */
@@ -89,7 +94,7 @@ typedef struct frame {
 	encre_camera camera;
 	encre_frame place;
 	float scale;                     /* pixels of this frame per "px" of a parameter (length_unit) */
-	float metered;                   /* factor on light that brings full light to 1 (shade_meter) */
+	metering metered;                /* of light by shade_meter */
 	const encre_chain_point *chains; /* these four as the job has them */
 	int64_t n_chains;
 	const uint8_t *chained;
@@ -274,10 +279,18 @@ static inline const encre_params *params_at(const frame *f, int x, int y)
 	return f->params + style_at(f, x, y);
 }
 
-/* Factor on light before a style's thresholds are compared with it. */
-static inline float exposure_of(const frame *f, const encre_params *p)
+/* By which a style's thresholds are compared with light. */
+static inline metering metering_of(const frame *f, const encre_params *p)
 {
-	return min(p->shade_exposure * f->metered, FLT_MAX);
+	metering m = f->metered;
+	m.below = min(p->shade_exposure * m.below, FLT_MAX);
+	m.beyond = min(p->shade_exposure * m.beyond, FLT_MAX);
+	return m;
+}
+
+static inline float exposed(metering m, float light)
+{
+	return min(light, m.knee) * m.below + max(light - m.knee, 0) * m.beyond;
 }
 
 /* Light that a style's levels are compared with: the brightest channel of diffuse light, exposed, and what is painted
@@ -285,7 +298,7 @@ static inline float exposure_of(const frame *f, const encre_params *p)
 static inline float exposed_at(const frame *f, const encre_params *p, int x, int y)
 {
 	const float *d = layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x;
-	return max3(d[0], d[1], d[2]) * exposure_of(f, p) + painted_light(controls_at(f, x, y), 0);
+	return exposed(metering_of(f, p), max3(d[0], d[1], d[2])) + painted_light(controls_at(f, x, y), 0);
 }
 
 /* Parameters of the style of pixel x of row y, and in *end where the run of pixels with that style ends, at most x1. */
@@ -334,7 +347,7 @@ STAGES(DECLARE)
 
 /* shade.c: I of discrete shading for pixels x0..x1-1 of row y, each by its own style, whether or not shading is on. */
 void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone);
-/* shade.c: light as levels are compared with it, V times exposure, of row y. */
+/* shade.c: light as levels are compared with it, of row y. */
 void ISA(shade_exposed)(const frame *f, int y, float *light);
 /* hatch.c: brightness that keeps the pencil away from n <= 256 pixels, at most 1. Planes of the layers, `apart` floats
  * from one to the next, light as levels are compared with it, and I of discrete shading. */

@@ -116,19 +116,19 @@ bool ISA(hatch_cover)(const frame *f, const encre_params *p, int y, int x, int n
 /* Where nothing was shaded just before. */
 static void find_bright(const frame *f, const encre_params *p, int y, int x, int n, float *bright)
 {
-	float combined[4][CHUNK], color[3][CHUNK], diffuse[3][CHUNK], exposed[CHUNK], tone[CHUNK];
+	float combined[4][CHUNK], color[3][CHUNK], diffuse[3][CHUNK], lit[CHUNK], tone[CHUNK];
 	const float *controls = controls_at(f, x, y);
-	float exposure = exposure_of(f, p);
+	metering m = metering_of(f, p);
 	split_channels(pixels(f, ENCRE_LAYER_COMBINED, 4, y, x), 4, n, CHUNK, combined[0]);
 	split_channels(pixels(f, ENCRE_LAYER_COLOR, 3, y, x), 3, n, CHUNK, color[0]);
 	split_channels(pixels(f, ENCRE_LAYER_DIFFUSE, 3, y, x), 3, n, CHUNK, diffuse[0]);
 	for (int i = 0; i < n; i++)
-		exposed[i] = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]) * exposure;
+		lit[i] = exposed(m, max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]));
 	for (int i = 0; controls && i < n; i++)
-		exposed[i] += painted_light(controls, i);
+		lit[i] += painted_light(controls, i);
 	if (lightens(p))
 		ISA(shade_tones)(f, y, x, x + n, tone);
-	ISA(hatch_bright)(p, n, CHUNK, combined[0], color[0], diffuse[0], exposed, tone, bright);
+	ISA(hatch_bright)(p, n, CHUNK, combined[0], color[0], diffuse[0], lit, tone, bright);
 }
 
 static void hatch_run(const frame *f, const encre_params *p, int y, int x, int n, int thread)

@@ -18,11 +18,11 @@ static inline float drawable(float x)
 }
 
 /* What levels are compared with. */
-static void exposed_row(int n, const float *restrict diffuse, const float *restrict controls, float exposure,
+static void exposed_row(int n, const float *restrict diffuse, const float *restrict controls, metering m,
 			float *restrict x)
 {
 	for (int i = 0; i < n; i++)
-		x[i] = max3(diffuse[3 * i], diffuse[3 * i + 1], diffuse[3 * i + 2]) * exposure;
+		x[i] = exposed(m, max3(diffuse[3 * i], diffuse[3 * i + 1], diffuse[3 * i + 2]));
 	for (int i = 0; controls && i < n; i++)
 		x[i] += painted_light(controls, i);
 }
@@ -86,9 +86,9 @@ typedef struct lit {
 static void lit_row(const frame *f, const encre_params *p, int n, float (*restrict diffuse)[CHUNK],
 		    const float *restrict controls, lit *restrict l)
 {
-	float exposure = exposure_of(f, p);
+	metering m = metering_of(f, p);
 	for (int i = 0; i < n; i++)
-		l->exposed[i] = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]) * exposure;
+		l->exposed[i] = exposed(m, max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]));
 	for (int i = 0; controls && i < n; i++)
 		l->exposed[i] += painted_light(controls, i);
 	tone_row(&p->shade_levels, n, l->exposed, l->tone);
@@ -237,7 +237,7 @@ void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone)
 	for (int x = x0, end; x < x1; x = end) {
 		float light[CHUNK];
 		const encre_params *p = style_run(f, y, x, x1 - x > CHUNK ? x + CHUNK : x1, &end);
-		exposed_row(end - x, diffuse + 3 * x, controls_at(f, x, y), exposure_of(f, p), light);
+		exposed_row(end - x, diffuse + 3 * x, controls_at(f, x, y), metering_of(f, p), light);
 		tone_row(&p->shade_levels, end - x, light, tone + (x - x0));
 	}
 }
@@ -247,7 +247,7 @@ void ISA(shade_exposed)(const frame *f, int y, float *light)
 	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
 	for (int x = 0, end; x < f->width; x = end) {
 		const encre_params *p = style_run(f, y, x, f->width, &end);
-		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, controls_at(f, x, y), exposure_of(f, p), light + x);
+		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, controls_at(f, x, y), metering_of(f, p), light + x);
 		for (int i = x; i < end; i++)
 			light[i] = bounded(light[i]);
 	}
@@ -348,6 +348,12 @@ static void plan(frame *f, arena *a)
 static const char *check(const encre_params *params, char *text, size_t size)
 {
 	const encre_levels *levels = &params->shade_levels;
+	if (params->shade_meter == shade_meter_FIXED && !(params->meter_shade < params->meter_light)) {
+		snprintf(text, size,
+			 "meter_shade: shade of %g is not darker than full light, %g; give less of it, or 0",
+			 (double)params->meter_shade, (double)params->meter_light);
+		return text;
+	}
 	if (levels->count < 1 || levels->count > ENCRE_MAX_LEVELS) {
 		snprintf(text, size, "shade_levels: %d levels; give 1 to %d", (int)levels->count, ENCRE_MAX_LEVELS);
 		return text;

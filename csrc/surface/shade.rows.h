@@ -4,9 +4,12 @@ STAGE(shade, "Shading", "Flat light in a few levels, tinted and desaturated in t
 SWITCH(use_shading, SURFACE, 1, "", "Shading", "Cut the light into flat levels")
 LEVELS(shade_levels, SURFACE, "", "Levels", "Levels of light, darkest first, with the thresholds between them", shade_levels_default)
 FLOAT(shade_exposure, SURFACE, 1, 0, FLT_MAX, 0, 8, "", "", "Exposure", "Factor on the light before it is compared with thresholds")
-ENUM(shade_meter, FRAME, 0, "", "Full Light", "How much light is full light, 1, where it is compared with thresholds",
+ENUM(shade_meter, FRAME, 0, "", "Meter", "How much light is full light, 1, where it is compared with thresholds",
      ITEM(shade_meter, SCENE, 0, "As Lit", "Light as the scene has it: 1 is what a sun of 3.14 W/m2 gives to what faces it")
-     ITEM(shade_meter, LAMPS, 1, "Strongest Lamp", "What faces the strongest lamp has full light, however strong that is: bright scenes and dim ones are cut alike"))
+     ITEM(shade_meter, LAMPS, 1, "Metered", "By the light that things receive, wherever the camera looks: bright scenes and dim ones are cut alike, and shade is seen as shade")
+     ITEM(shade_meter, FIXED, 2, "Fixed", "Full light and shade are the two values below: the same in a whole shot, whatever is switched on"))
+FLOAT(meter_light, FRAME, 1, 1e-6, 1e9, 0.01, 10, "", "shade_meter=FIXED", "Full Light", "Diffuse light that is full light, 1, where it is compared with thresholds")
+FLOAT(meter_shade, FRAME, 0, 0, 1e9, 0, 10, "", "shade_meter=FIXED", "Shade", "Diffuse light of the shade, which counts as 0.35 of full light; 0: as much as it is")
 ENUM(shade_light, SURFACE, 0, "use_shading", "Light", "The light that is cut into levels",
      ITEM(shade_light, ALL, 0, "All", "Direct and bounced light")
      ITEM(shade_light, DIRECT, 1, "Direct", "Direct light alone: flat tones under bounced light"))

@@ -92,10 +92,10 @@ static void glazed_row(const frame *f, int y, int x, int n, float (*restrict col
 
 /* Light of the sky, that is seen or mirrored: without end, or as bright as it looks. Nothing is seen of a transparent
  * film. */
-static inline float sky_light(const frame *f, float exposure, float other, float alpha)
+static inline float sky_light(const frame *f, metering m, float other, float alpha)
 {
 	float sky = f->params->tone_sky;
-	return sky > 0 && alpha > 0 ? min(max(other, 0) * exposure * sky, FLT_MAX) : INFINITY;
+	return sky > 0 && alpha > 0 ? min(exposed(m, max(other, 0)) * sky, FLT_MAX) : INFINITY;
 }
 
 /* Mirrors and glass have no light of their own: it becomes that of the thing they show, and the sky's where they show
@@ -107,16 +107,17 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 	const float *seen = layer_row(f, ENCRE_LAYER_SEEN_COLOR, y), *depth = layer_row(f, ENCRE_LAYER_SEEN_DEPTH, y);
 	const float *front = layer_row(f, ENCRE_LAYER_DEPTH, y), *gloss = layer_row(f, ENCRE_LAYER_GLOSS, y);
 	const float *combined = layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x;
-	float exposure = exposure_of(f, p), least = max(p->tone_black, 0.05f), dark = p->tone_dark;
+	metering m = metering_of(f, p);
+	float least = max(p->tone_black, 0.05f), dark = p->tone_dark;
 	spared own = spared_of(p);
 	for (int i = 0; !seen && front && i < n; i++) {
 		bool nothing = !(depth_of(front[x + i]) < INFINITY);
-		float sky = sky_light(f, exposure, other[i], combined[4 * i + 3]);
+		float sky = sky_light(f, m, other[i], combined[4 * i + 3]);
 		light[i] = nothing && max3(color[0][i], color[1][i], color[2][i]) < 0.05f ? sky : light[i];
 	}
 	for (int i = 0; seen && i < n; i++) {
 		const float *s = seen + (ptrdiff_t)3 * (x + i);
-		float bright = max3(s[0], s[1], s[2]), lit = bounded(other[i] / max(bright, least)) * exposure;
+		float bright = max3(s[0], s[1], s[2]), lit = exposed(m, bounded(other[i] / max(bright, least)));
 		lit = spare(own, lit, bright);
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
@@ -130,7 +131,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 			shows = shows && !itself && max3(g[0], g[1], g[2]) >= clear_from;
 		}
 		if (nothing)
-			lit = sky_light(f, exposure, other[i], combined[4 * i + 3]);
+			lit = sky_light(f, m, other[i], combined[4 * i + 3]);
 		light[i] = !shows ? light[i] : nothing ? lit : max(light[i], lit);
 	}
 }
@@ -143,7 +144,8 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 	const float *controls = controls_at(f, x, y);
 	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
 	float glazed[TONE_CHUNK] = {0}, left[TONE_CHUNK];
-	float exposure = exposure_of(f, p), black = p->tone_black, dark = p->tone_dark;
+	metering m = metering_of(f, p);
+	float black = p->tone_black, dark = p->tone_dark;
 	bool seen = p->tone_black_by == tone_black_by_LUMINANCE;
 	spared own = spared_of(p);
 	split(layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x, 4, n, e);
@@ -157,7 +159,7 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		glazed_row(f, y, x, n, a, glazed, left);
 	for (int i = 0; i < n; i++) {
 		float bright = max3(a[0][i], a[1][i], a[2][i]);
-		float lit = spare(own, max3(d[0][i], d[1][i], d[2][i]) * exposure, bright) + painted[i];
+		float lit = spare(own, exposed(m, max3(d[0][i], d[1][i], d[2][i])), bright) + painted[i];
 		float r = e[0][i] - a[0][i] * d[0][i], g = e[1][i] - a[1][i] * d[1][i], b = e[2][i] - a[2][i] * d[2][i];
 		float mirrored = glazed[i] * clamp01(lightness(p, r, g, b));
 		rest[i] = max3(r, g, b);

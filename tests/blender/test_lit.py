@@ -81,6 +81,21 @@ def test_the_world_s_light_is_kept_from_corners_as_in_cycles(render):
     assert np.abs(plain["Encre Diffuse"][lit] - np.float32((0.3, 0.5, 0.8))).max() < 1e-4
 
 
+@pytest.mark.parametrize("name", ["atmosphere", "preetham", "hosek", "picture", "gradient", "tinted"])
+def test_skies_light_as_in_cycles(render, name):
+    shot = render("skies")
+    passes = shot.passes(name)
+    difference, calm = compared(passes)
+    most = {"preetham": 0.05, "hosek": 0.12}.get(name, 0.03)  # Hosek and Wilkie's is Preetham's, made as bright
+    assert difference[calm].mean() < most and np.percentile(difference[calm], 95) < max(0.1, 1.6 * most)
+    share = passes["Encre Diffuse"].mean((0, 1)) / passes["DiffDir"].mean((0, 1))
+    assert np.abs(share - 1).max() < {"preetham": 0.1, "hosek": 0.2}.get(name, 0.05)
+    if name in ("atmosphere", "picture", "tinted"):  # their suns throw shadows
+        dark = passes["DiffDir"].max(2) < 0.35 * passes["DiffDir"].max()
+        assert 0.05 < dark.mean() < 0.6
+        assert ((passes["Encre Diffuse"].max(2) < 0.35 * passes["DiffDir"].max()) == dark)[calm].mean() > 0.97
+
+
 def test_leaves_that_images_cut_out_throw_their_own_shadows(render):
     shot = render("cut_leaves")
     passes = shot.passes("cut_leaves")

@@ -6,6 +6,22 @@ import numpy as np
 import pytest
 
 
+def test_what_surfaces_receive_tells_shade(render):
+    facts = {name: values[0] for name, values in render("metered").facts.items()}
+    light, shade = facts["pale"]
+    # Sides and what the suns do not reach have 0.72, what they light 2 / pi more, and one of them 1 / pi.
+    assert light == pytest.approx((0.72 + 2 / np.pi) / 0.97, rel=1e-5)
+    assert shade == pytest.approx(0.72 * 0.35 / 0.38, rel=1e-5)
+    assert facts["elsewhere"] == facts["pale"], "wherever the camera is"
+    assert facts["reversed"] == pytest.approx(facts["pale"], rel=1e-6), "in whatever order things come"
+    assert facts["moving"] == [pytest.approx(facts["pale"], rel=1e-6)] * 3, "what moves throws no shadow on it"
+    kept = facts["kept"]
+    assert kept[0] == "FIXED" and kept[1:] == pytest.approx(facts["pale"], rel=1e-5)
+    assert facts["usual"] == [pytest.approx(0.15 + 1 / np.pi), 0], "the usual light is cut as it was"
+    light, shade = facts["sky"]
+    assert 0 < shade < 0.1 * light, "under a sky shade is seen as shade"
+
+
 def test_the_distance_of_what_the_picture_is_about(render):
     facts = {name: values[0] for name, values in render("distances").facts.items()}
     assert facts["nothing"] == 0

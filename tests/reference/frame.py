@@ -67,6 +67,7 @@ class Layers:
         self.view = np.reshape(camera.get("view", np.eye(3)), (3, 3))
         self.height = float(camera.get("height", 1.0))
         self.distance = float(camera.get("distance", 0.0))
+        self.meter = 1.0, 0.0  # full light and shade
         self.full_width, self.full_height = frame.get("width", width), frame.get("height", height)
         self.x, self.y, self.number = (frame.get(key, 0) for key in ("x", "y", "number"))
 
@@ -81,11 +82,12 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     Raises ValueError for an unknown parameter or a missing layer.
     """
     params = Params(scene, styles)
-    full = float((camera or {}).get("light", 0.0))
-    if params["shade_meter"] == "LAMPS" and full > 0:
-        for table in params.tables:
-            table["shade_exposure"] /= full
     layers = Layers(layers, len(styles), camera, frame)
+    full, dark = (float((camera or {}).get(key, 0.0)) for key in ("light", "shade"))
+    if params["shade_meter"] == "FIXED":
+        full, dark = params["meter_light"], params["meter_shade"]
+    if params["shade_meter"] != "SCENE" and full > 0:
+        layers.meter = full, dark
     line_paper, hatch_paper = paper.heights(layers, params)
     edges = edge_stage.find(layers, params)
     surface, light, doubtful = shade.surface(layers, params)

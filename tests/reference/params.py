@@ -40,7 +40,8 @@ DEFAULTS = {
     "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
     # shading
     "use_shading": True, "shade_levels": [(0.5,), (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)],
-    "shade_exposure": 1.0, "shade_meter": "SCENE", "shade_tint": (0.60, 0.55, 0.90), "shade_tint_weight": 1.0,
+    "shade_exposure": 1.0, "shade_meter": "SCENE", "meter_light": 1.0, "meter_shade": 0.0,
+    "shade_tint": (0.60, 0.55, 0.90), "shade_tint_weight": 1.0,
     "shade_saturation": 0.6, "shade_strength": 1.0, "other_light": 1.0,
     "light_hue": 1.0,
     "other_background": 1.0, "other_highlights": 1.0, "other_reflections": 1.0, "other_glow": 1.0,
@@ -94,7 +95,8 @@ _WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material",
 _CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
 _PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "reflection_tones", "highlight_shape",
           "highlight_threshold", "highlight_transition", "highlight_color"}
-_FRAMES = {"shade_meter", "tone_sky", "tone_detail", "tone_least", "line_search", "line_max_thickness", "line_occlude",
+_FRAMES = {"shade_meter", "meter_light", "meter_shade", "tone_sky", "tone_detail", "tone_least", "line_search",
+           "line_max_thickness", "line_occlude",
            "wash_pool_width", "wash_bleed_width", "wash_size", "wash_seed"}
 
 

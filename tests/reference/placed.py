@@ -9,7 +9,7 @@ from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, JUNCTION, ROW, passage
 from .ridged import ridges, through
-from .shade import painted
+from .shade import metered, painted
 from .slices import Things
 from .view import SEEN, SURE, Place, along, level_of, levels_apart, turn
 
@@ -390,7 +390,7 @@ def room(view, light, steps, k, site, axis, row, column):
 
 def light(view, cracked):
     """Crossings of light, but where a crack runs."""
-    found, lit = {}, metric.value(view.layers.diffuse)
+    found, lit = {}, metered(view.layers, metric.value(view.layers.diffuse))
     style = view.layers.style
     steps = [table["shade_levels"] for table in view.params.tables]
     exposure = [table["shade_exposure"] for table in view.params.tables]

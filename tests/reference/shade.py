@@ -8,7 +8,16 @@ from .metric import clamp01, mix, value
 
 def exposed(layers, params):
     """The light (H, W) that is compared with thresholds, by the pixel's own style."""
-    return value(layers.diffuse) * params.at("shade_exposure", layers.style) + painted(layers)
+    return metered(layers, value(layers.diffuse)) * params.at("shade_exposure", layers.style) + painted(layers)
+
+
+def metered(layers, light):
+    """Light, full light of which is 1, and shade 0.35 where it is told: straight from 0 to shade, on from there to full
+    light and beyond."""
+    full, shade = layers.meter
+    if not shade:
+        return light / full
+    return np.where(light < shade, light * 0.35 / shade, 0.35 + 0.65 * (light - shade) / (full - shade))
 
 
 def painted(layers):

@@ -5,7 +5,7 @@ import numpy as np
 
 from . import cleared, hatch, scatter
 from .metric import clamp01, mix, value
-from .shade import other, painted
+from .shade import metered, other, painted
 from .tiles import pictured, thresholds
 
 SLOTS = 6
@@ -246,7 +246,7 @@ def _dark(layers, levels, of, look):
         more = lit * (1 + of("tone_local") * np.maximum(2 * np.sqrt(clamp01(value(color))) - 1, 0))
         return np.maximum(lit, np.minimum(more, end))
 
-    lit = spared(value(layers.diffuse) * of("shade_exposure"), layers.color) + painted(layers)
+    lit = spared(metered(layers, value(layers.diffuse)) * of("shade_exposure"), layers.color) + painted(layers)
     rest = value(other(layers))
     lightness = _luminance if of("tone_black_by") == "LUMINANCE" else value
     left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
@@ -277,14 +277,15 @@ def _dark(layers, levels, of, look):
     light = np.where(bright < black, np.maximum(rest - _glazed(layers), -1), np.maximum(lit, rest))
     sky = np.full(light.shape, np.inf)
     if of("tone_sky") > 0:
-        bright = np.maximum(rest, 0) * of("shade_exposure") * of("tone_sky")
+        bright = metered(layers, np.maximum(rest, 0)) * of("shade_exposure") * of("tone_sky")
         sky = np.where(layers.combined[..., 3] > 0, bright, np.inf)
     if of("tone_mirrors") and layers.seen_color is None:
         light = np.where((value(layers.color) < 0.05) & ~((layers.depth > 0) & (layers.depth < 1e9)), sky, light)
     elif of("tone_mirrors"):
         least = max(of("tone_black"), 0.05)
         seen = value(layers.seen_color)
-        lit = spared(value(other(layers)) / np.maximum(seen, least) * of("shade_exposure"), layers.seen_color)
+        lit = metered(layers, value(other(layers)) / np.maximum(seen, least)) * of("shade_exposure")
+        lit = spared(lit, layers.seen_color)
         shown = lightness(layers.seen_color)
         as_ = counted(layers.seen_color, least, of("tone_dark"))
         lit = np.where(shown >= least, kept(lit, as_, least, of("tone_dark")), -1)

@@ -117,6 +117,32 @@ def test_full_light_is_that_of_the_strongest_lamp():
         draw(layers, SIMPLE, camera=Camera(light=-1.0))
 
 
+@pytest.mark.parametrize(("given", "camera"), [
+    (dict(shade_meter="LAMPS"), Camera(light=0.6, shade=0.4)),
+    (dict(shade_meter="LAMPS"), Camera(light=0.9, shade=0.1)),
+    (dict(shade_meter="FIXED", meter_light=0.6, meter_shade=0.4), Camera(light=5.0))])
+def test_shade_is_seen_as_shade(given, camera):
+    scene = dict(SIMPLE, use_tones=True, tone_1="DOTS", tone_mirrors=True, tone_sky=0.4, use_hatching=True, **given)
+    assert_agrees(random_layers(40, 64), scene, STYLES, camera=camera, tolerance=1e-4)
+
+
+def test_light_grows_evenly_up_to_shade_and_on_to_full_light():
+    light = np.linspace(0, 2, 81, dtype=np.float32)
+    layers = random_layers(1, 81)
+    layers["diffuse"][:] = light[None, :, None]
+    layers["controls"][:], layers["style"][:] = 0, 0
+    given = dict(ONLY_SHADING, shade_levels=[(0.0,), (1.0, 0.5, 1.0)], shade_tint_weight=0, shade_saturation=1,
+                 light_hue=0)
+    layers["color"][:], layers["combined"][..., :3], layers["combined"][..., 3] = 1, light[None, :, None], 1
+    drawn = draw(layers, dict(given, shade_meter="FIXED", meter_light=1.5, meter_shade=1.0))["Combined"][0, :, 0]
+    right = np.where(light < 1, 0.35 * light, 0.35 + 0.65 * (light - 1) / 0.5)
+    np.testing.assert_allclose(drawn, np.minimum(right, 1), atol=1e-5)
+    with pytest.raises(EncreError, match="meter_shade: shade of 2"):
+        draw(layers, dict(given, shade_meter="FIXED", meter_light=1.5, meter_shade=2.0))
+    with pytest.raises(EncreError, match="shade of 2"):
+        draw(layers, given, camera=Camera(light=1.0, shade=2.0))
+
+
 def test_lengths_follow_the_height_of_the_full_frame():
     assert_agrees(random_layers(60, 90), dict(SIMPLE, length_unit="RELATIVE", smudge_range=30, paper_scale=1.6), STYLES,
                   frame=Frame(400, 700, 31, 45), tolerance=1e-4)

@@ -31,14 +31,14 @@ def close(a, b, tolerance=2e-6):
     assert a.shape == b.shape and np.abs(np.asarray(a, np.float64) - b).max() <= tolerance
 
 
-@pytest.mark.parametrize(("values", "cut"), [
-    (dict(use_tones=True, tone_mirrors=True), True), (dict(use_tones=True), False), (dict(tone_mirrors=True), False),
-    (dict(reflection_tones=3), True), (dict(reflection_tones=3, other_light=0), False),
-    (dict(reflection_tones=3, light_denoise="NONE"), False), (dict(reflection_tones=3, use_shading=False), False)])
-def test_what_mirrors_show_loses_its_noise_where_it_is_cut(values, cut):
-    assert Settings(values).cuts_mirrored is cut
-    scene = {id_: values.pop(id_) for id_ in ("other_light", "light_denoise") if id_ in values}
-    assert Settings(scene, [("one", values)]).cuts_mirrored is cut
+@pytest.mark.parametrize(("values", "seen"), [
+    ({}, True), (dict(other_light=0), False), (dict(other_light=0, use_tones=True, tone_mirrors=True), True),
+    (dict(other_light=0, use_tones=True), False), (dict(other_light=0, tone_mirrors=True), False),
+    (dict(light_denoise="NONE"), False), (dict(use_shading=False), False)])
+def test_gloss_loses_its_noise_where_it_is_seen_beside_flat_light(values, seen):
+    assert Settings(values).denoises_other is seen
+    scene = {id_: values.pop(id_) for id_ in ("other_light", "light_denoise", "use_shading") if id_ in values}
+    assert Settings(scene, [("one", values)]).denoises_other is seen
 
 
 def test_layers_of_a_picture(passes):

@@ -16,13 +16,13 @@ def test_round_trip():
     scene = library.check({**library.defaults(), "line_thickness": 3.5, "shade_tint": (0.1, 0.2, 0.3),
                         "shade_levels": [(0.4,), (0.7, 0.5, 0.025, 1, 0.5, 0)], "paper_image": "/some/paper.png"})
     styles = [("Skin", {"line_thickness": 2.0}), ("Cloth", {"use_lines": False})]
-    camera = Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5, 7.5, 1.25)
+    camera = Camera((0, 1, 0, 0, 0, 1, 1, 0, 0), True, 4.5, 7.5, 1.25, 0.5)
     written = metadata.write(scene, styles, camera, Frame(1920, 1080, 100, 50, 7))
     said = {key: json.loads(text) for key, text in written.items()}
     assert said["encre.params"]["version"] == 1
     assert said["encre.params"]["scene"]["shade_levels"] == [[0.4], [0.7, 0.5, 0.025, 1, 0.5, 0]]
     assert said["encre.frame"] == {"width": 1920, "height": 1080, "x": 100, "y": 50, "number": 7}
-    assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "distance": 7.5, "light": 1.25,
+    assert said["encre.camera"] == {"orthographic": True, "height": 4.5, "distance": 7.5, "light": 1.25, "shade": 0.5,
                                     "view": [0, 1, 0, 0, 0, 1, 1, 0, 0]}
     read = metadata.read({**written, "Software": "another"})
     assert library.check(read.scene) == scene and read.styles == styles and read.camera == camera

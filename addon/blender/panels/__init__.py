@@ -7,8 +7,8 @@ what Blender's user sees in the properties editor, the sidebar and the menus. A 
 stages makes one panel for each stage from the table by rows, which greys them out by enabled_if; so a new parameter or
 stage needs nothing here. lists shows pens and tones, scene, styles, blocks (objects, materials) and passes have the
 rest of the properties, presets and settings what is done with many at once, paint, marks and pin the tools of the
-sidebar and of Edit Mode, levels the list of light levels, view what the 3D view shows, cycles Cycles' own panels, shown
-for Encre too.
+sidebar and of Edit Mode, levels the list of light levels, meter how bright full light is, view what the 3D view shows,
+cycles Cycles' own panels, shown for Encre too.
 
 To add: a panel to the file of its group, after base.EncrePanel and in its CLASSES; a group as a file, named below.
 """
@@ -16,14 +16,30 @@ To add: a panel to the file of its group, after base.EncrePanel and in its CLASS
 import bpy
 
 from .. import languages, thumbnails
-from . import blocks, cycles, levels, lists, marks, paint, passes, pin, presets, scene, settings, stages, styles, view
+from . import (
+    blocks,
+    cycles,
+    levels,
+    lists,
+    marks,
+    meter,
+    paint,
+    passes,
+    pin,
+    presets,
+    scene,
+    settings,
+    stages,
+    styles,
+    view,
+)
 
 _registered = []
 
 
 def register():
-    for cls in (*levels.CLASSES, *lists.CLASSES, *presets.CLASSES, *settings.CLASSES, *scene.CLASSES, *stages.classes(),
-                *styles.CLASSES, *blocks.CLASSES, *passes.CLASSES, *view.CLASSES):
+    for cls in (*levels.CLASSES, *lists.CLASSES, *meter.CLASSES, *presets.CLASSES, *settings.CLASSES, *scene.CLASSES,
+                *stages.classes(), *styles.CLASSES, *blocks.CLASSES, *passes.CLASSES, *view.CLASSES):
         bpy.utils.register_class(cls)
         _registered.append(cls)
     for module in (languages, thumbnails, cycles, paint, marks, pin):

@@ -7,7 +7,7 @@ import bpy
 
 from ...pen import library, slots
 from ..languages import n_
-from . import lists
+from . import lists, meter
 from .base import EncrePanel
 from .rows import draw_params
 
@@ -30,6 +30,8 @@ def _stage_panels(stage):
         draw_params(self.layout, context.scene.encre, rest, "scene")
         if stage.id == "rim":
             self.layout.prop(context.scene.encre, "rim_lamp")
+        if stage.id == "shade":
+            meter.draw(self.layout, context.scene)
 
     def draw_list(self, context):
         _LISTS[stage.id][0](self.layout, context.scene.encre)

@@ -23,9 +23,10 @@ void ISA(level_row)(const fine *n, int y, uint8_t *restrict level)
 	for (int x = 0, end; x < f->width; x = end) {
 		const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
 		const float *d = diffuse + (ptrdiff_t)3 * x, *controls = controls_at(f, x, y);
-		float light[CHUNK], exposure = exposure_of(f, p);
+		metering m = metering_of(f, p);
+		float light[CHUNK];
 		for (int i = 0; i < end - x; i++)
-			light[i] = max3(d[3 * i], d[3 * i + 1], d[3 * i + 2]) * exposure + painted_light(controls, i);
+			light[i] = exposed(m, max3(d[3 * i], d[3 * i + 1], d[3 * i + 2])) + painted_light(controls, i);
 		memset(level + x, 0, (size_t)(end - x));
 		for (int k = 1; k < p->shade_levels.count; k++) {
 			float threshold = p->shade_levels.level[k].threshold;

@@ -103,6 +103,65 @@ def distances(_out):
     fact("all move", distance())
 
 
+def metered(_out):
+    """Full light and shade, however the scene is looked at and built, and whatever moves in it."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    register()
+    from encre.blender import fast, properties
+
+    scene = bpy.context.scene
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+
+    def read():
+        graph = bpy.context.evaluated_depsgraph_get()
+        camera = scene.camera.evaluated_get(graph)
+        about = fast.read(graph, properties.settings(scene), (0.1, 100), None, camera).subject
+        return [about.light, about.shade]
+
+    def build(order):
+        for obj in [obj for obj in scene.objects if obj.type == "MESH"]:
+            bpy.data.objects.remove(obj)
+        bpy.ops.mesh.primitive_plane_add(size=60)
+        for k in order:
+            bpy.ops.mesh.primitive_cube_add(size=1, location=(3 * k - 6, k % 2, 1.5 + 0.2 * k))
+
+    world(scene, (0.5, 0.65, 0.72))
+    for name in ("One", "Two"):
+        sun = bpy.data.objects.new(name, bpy.data.lights.new(name, "SUN"))
+        sun.data.energy = 1
+        scene.collection.objects.link(sun)
+    build(range(5))
+    fact("pale", read())
+    scene.camera.location, scene.camera.data.lens = (30, 2, 9), 200
+    fact("elsewhere", read())
+    build(reversed(range(5)))
+    fact("reversed", read())
+    bpy.ops.mesh.primitive_cube_add(size=8, location=(0, 0, 6))
+    roof = bpy.context.object
+    roof.keyframe_insert("location", frame=1)
+    roof.location.x = 40
+    roof.keyframe_insert("location", frame=9)
+    moving = []
+    for frame in (1, 4, 9):
+        scene.frame_set(frame)
+        moving.append(read())
+    fact("moving", moving)
+    bpy.ops.encre.meter()
+    fact("kept", [scene.encre.shade_meter, scene.encre.meter_light, scene.encre.meter_shade])
+    world(scene, (0.1, 0.15, 0.15))
+    fact("usual", read())
+    for name in ("One", "Two"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    scene.world.use_nodes = True
+    tree = scene.world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    sky.sky_type = "NISHITA" if bpy.app.version < (5, 0) else "SINGLE_SCATTERING"
+    sky.sun_elevation = 1.0
+    tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs[0])
+    fact("sky", read())
+
+
 def night(scene, lamp, cube, reached):
     """Full light of cubes below a lamp; with a town far away; in moonlight; of a sunlit town with a lamp in a room."""
     before = lamp.location.z

@@ -90,8 +90,8 @@ def unlit(out):
     scene.world = bpy.data.worlds.new("World")
     scene.world.use_nodes = True
     tree = scene.world.node_tree
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    tree.links.new(noise.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    magic = tree.nodes.new("ShaderNodeTexMagic")
+    tree.links.new(magic.outputs["Color"], tree.nodes["Background"].inputs["Color"])
     shoot(out, "unlit")
 
 
@@ -104,6 +104,69 @@ def under_the_world(out):
     shoot(out, "shadowed")
     scene.encre.world_shadows = False
     shoot(out, "open")
+
+
+def _sky(kind, **settings):
+    def make(tree):
+        node = tree.nodes.new("ShaderNodeTexSky")
+        node.sky_type = kind if kind != "NISHITA" or bpy.app.version < (5, 0) else "SINGLE_SCATTERING"
+        for name, value in settings.items():
+            setattr(node, name if hasattr(node, name) else name.replace("dust", "aerosol"), value)
+        tree.nodes["Background"].inputs["Strength"].default_value = 0.05 if kind == "NISHITA" else 1.0
+        return node.outputs[0]
+    return make
+
+
+def _picture(tree):
+    """A sky of two colors with a sun of 4 degrees, turned."""
+    image = bpy.data.images.new("Sky", 180, 90, float_buffer=True)
+    pixels = np.ones((90, 180, 4), np.float32)
+    pixels[:45, :, :3], pixels[45:, :, :3] = (0.05, 0.04, 0.03), (0.2, 0.3, 0.5)
+    pixels[66:68, 60:62, :3] = 700, 600, 400
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    node, mapping = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMapping")
+    node.image, mapping.inputs["Rotation"].default_value = image, (0, 0, 0.7)
+    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], mapping.inputs["Vector"])
+    tree.links.new(mapping.outputs[0], node.inputs["Vector"])
+    return node.outputs[0]
+
+
+def _gradient(tree):
+    """A ramp by height, as nodes make it, seen otherwise by the camera."""
+    parts, ramp = tree.nodes.new("ShaderNodeSeparateXYZ"), tree.nodes.new("ShaderNodeValToRGB")
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0.9, 0.5, 0.3, 1), (0.1, 0.2, 0.6, 1)
+    tree.links.new(tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"], parts.inputs[0])
+    tree.links.new(parts.outputs["Z"], ramp.inputs[0])
+    return ramp.outputs["Color"]
+
+
+def _tinted(tree):
+    """A Sky Texture of which other nodes make something else."""
+    mix = tree.nodes.new("ShaderNodeMixRGB")
+    mix.blend_type, mix.inputs[0].default_value, mix.inputs[2].default_value = "MULTIPLY", 1, (1, 0.6, 0.3, 1)
+    tree.links.new(_sky("NISHITA", sun_elevation=0.6, sun_rotation=-1.0)(tree), mix.inputs[1])
+    return mix.outputs[0]
+
+
+SKIES = {
+    "atmosphere": _sky("NISHITA", sun_elevation=0.6, sun_rotation=2.0, air_density=1.5, dust_density=2.0),
+    "preetham": _sky("PREETHAM", sun_direction=(0.3, -0.6, 0.7), turbidity=4.0),
+    "hosek": _sky("HOSEK_WILKIE", sun_direction=(-0.5, -0.3, 0.8), turbidity=3.0, ground_albedo=0.3),
+    "picture": _picture, "gradient": _gradient, "tinted": _tinted,
+}
+
+
+def skies(out):
+    """The light of worlds by formula, of pictures and of nodes."""
+    for name, make in SKIES.items():
+        scene = _stage(32)
+        scene.encre.world_shadows = True
+        scene.world = bpy.data.worlds.new("World")
+        scene.world.use_nodes = True
+        tree = scene.world.node_tree
+        tree.links.new(make(tree), tree.nodes["Background"].inputs["Color"])
+        shoot(out, name)
 
 
 def scene_rules(out):
