@@ -10,6 +10,7 @@ import os
 import random
 import re
 import time
+from collections import deque
 
 from ..pen import metadata
 from ..pen.errors import EncreError, shown
@@ -114,8 +115,12 @@ class Frames:
         order, count = {frame: number for number, frame in enumerate(self.todo, 1)}, len(self.todo)
         left, failed, finished, told, rounds = list(self.todo), {}, [], set(), 0
         while left:
-            held, claims = {}, self._claims()
-            for frame in self._free_first(left, claims):
+            held, claims, shared = {}, self._claims(), False
+            ahead = deque(left)
+            while ahead:
+                if claims and not shared:  # others work as well: each process goes through the frames in its own order
+                    shared, ahead = True, deque(random.sample(ahead, len(ahead)))
+                frame = ahead.popleft()
                 name = os.path.basename(self.todo[frame])
                 try:
                     if (resume or rounds) and self.finished(frame, quick):
@@ -151,12 +156,6 @@ class Frames:
         if finished:
             self.progress.say("note", f"{len(finished)} of {count} frames are finished and left alone")
         self._sum_up(failed, {frame: held[frame] for frame in left})
-
-    def _free_first(self, left, claims):
-        """The frames `left`, those first that nobody has. Where others work as well, each process begins elsewhere."""
-        free = [frame for frame in left if os.path.basename(self.todo[frame]) not in claims]
-        at = random.randrange(len(free)) if claims and free else 0
-        return [*free[at:], *free[:at], *(frame for frame in left if frame not in {*free})]
 
     def _claims(self):
         try:

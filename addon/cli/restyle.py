@@ -100,18 +100,28 @@ def _one(frame, change, place, again, say, options):
         return LEFT, f"{frame.path} is being drawn by {holder}"
     try:
         texts = {metadata.MARK: _mark(frame.source, change, options)} if frame.number is not None or again else None
-        if again and images.text(frame.path, metadata.MARK) == texts[metadata.MARK] and images.whole(frame.path):
+        if again and _finished(frame, texts):
             return FINISHED, ""
+        part, before = os.path.join(place.path, name), sequence.stamp(frame.path)
         try:
-            composite(frame.source, frame.path, change, say=say, texts=texts, **options)
-        except images.WriteError:
-            raise
+            composite(frame.source, part, change, say=say, texts=texts, **options)
+        except images.WriteError as error:
+            raise images.WriteError(str(error).replace(part, frame.path)) from None
         except EncreError as error:
             raise EncreError(_reason(frame, error)) from None
+        # Another may have taken the frame over, where it was long that nothing was heard of this process.
+        if texts and sequence.stamp(frame.path) != before and _finished(frame, texts):
+            os.remove(part)
+            return FINISHED, ""
+        place.take(name, frame.path)
         put(f"{shown(frame.path)} ({time.perf_counter() - start:.1f} s)")
         return DRAWN, ""
     finally:
         place.release()
+
+
+def _finished(frame, texts):
+    return images.text(frame.path, metadata.MARK) == texts[metadata.MARK] and images.whole(frame.path)
 
 
 def _reason(frame, error):

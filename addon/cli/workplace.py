@@ -119,11 +119,18 @@ class Workplace:
             os.makedirs(self.folder, exist_ok=True)
             self._make()
         now = self._put()
+        self._look_anew()
         for other, owner in _others(self.folder):
             if other != self.name and owner.claim == name and owner.works(now):
                 self.release()
                 return _process(other)
         return None
+
+    def _look_anew(self):
+        """Changes something in the folder: on a network, a machine trusts for a while what it knows of a folder that it
+        has not changed itself."""
+        with contextlib.suppress(OSError):
+            os.rmdir(tempfile.mkdtemp(prefix=".encre-look-", dir=self.folder))
 
     def claims(self):
         """{name: who has it} of the files that others work on."""

@@ -22,7 +22,7 @@ class Farm:
         self.claims = {}  # frame -> {node: (since, until): the times between which others take it for claimed}
         self.drawn = [0] * how.frames
         self.wasted = self.lost = self.deaths = 0
-        self.queue, self.count = [], 0
+        self.queue, self.count, self.first = [], 0, None  # first: when a frame was claimed for the first time
 
     def at(self, when, what):
         self.count += 1
@@ -30,6 +30,10 @@ class Farm:
 
     def finished(self, frame):
         return frame in self.done and self.done[frame] + self.how.late <= self.now
+
+    def seen(self):
+        """Whether anybody's claim is seen."""
+        return self.first is not None and self.first + self.how.late <= self.now
 
     def held(self, frame):
         claims = self.claims.get(frame)
@@ -56,16 +60,18 @@ class Node:
         if farm.now >= self.dies:
             farm.deaths += 1
             return
-        if self.left is None:  # a round begins where nobody is
+        if self.left is None:
             self.left = list(farm.undone)
             if not self.left:
                 return
             free, held = [], []
             for frame in self.left:
                 (held if farm.held(frame) else free).append(frame)
-            at = farm.random.randrange(len(free)) if free and held else 0
-            self.left, self.again = free[at:] + free[:at] + held, []
+            self.left, self.again, self.shared = free + held, [], False
             self.left.reverse()
+        if not self.shared and farm.seen():  # others work as well: each goes through the frames in its own order
+            self.shared = True
+            farm.random.shuffle(self.left)
         while self.left:
             frame = self.left.pop()
             if farm.finished(frame):
@@ -85,6 +91,8 @@ class Node:
         ends = min(farm.now + seconds, self.dies)
         # It renews its lease up to its end; a lock that is seen ends with it.
         until = ends if ends == farm.now + seconds or how.locks else ends + how.lease
+        if farm.first is None:
+            farm.first = farm.now
         farm.claims.setdefault(frame, {})[self] = farm.now, until
         farm.drawn[frame] += 1
         farm.at(ends, lambda: self.end(frame, seconds, ends))
