@@ -50,6 +50,7 @@ class Frames:
         self.ink = None        # the early.Early to be shown over what Cycles renders
         self.growth = None     # the early.Growth that draws it anew
         self.again = None      # the memory.Picture that it draws, and nothing is rendered
+        self.lines = {}        # (view layer, view) -> Chains that the frame's file keeps
 
     @property
     def by_cycles(self):
@@ -312,6 +313,7 @@ class Frames:
         elif self.known and not bpy.app.background and not self.engine.is_animation:
             with escape.Esc() as self.esc:
                 self._finish()
+        self.lines = {}
 
     def _finish(self):
         """Runs the stages on every view and view layer that was rendered and is not drawn yet."""
@@ -320,13 +322,13 @@ class Frames:
             self.engine.get_result().stamp_data_add_field(key, text)
         if not known:
             return
-        result, lines = self.engine.get_result(), {}
+        result = self.engine.get_result()
         for layer in result.layers:
             if layer.name not in known:  # a picture without stages
                 continue
             mine, by_view = known[layer.name], {}
             if mine.keeps:
-                lines.update(mine.chains)
+                self.lines.update(mine.chains)
             for render_pass in layer.passes:
                 by_view.setdefault(render_pass.view_id, {})[render_pass.name] = render_pass
             for view_id, there in by_view.items():
@@ -353,7 +355,7 @@ class Frames:
                 for name in set(mine.spare) & there.keys():
                     versions.clear_pass(there[name], result.resolution_x, result.resolution_y)
             self._stamp(result, mine)
-        for key, text in metadata.write_chains(lines).items():
+        for key, text in metadata.write_chains(self.lines).items():  # of all view layers so far
             result.stamp_data_add_field(key, text)
         if self.nonfinite:
             self.engine.say("WARNING", f"{self.nonfinite} values of the layers were not finite and were read as 0")

@@ -57,8 +57,8 @@ class Objects:
 
     def chained(self):
         """(meshes whose edges tell of lines, by number of an object whether all its lines are theirs). What lets light
-        through, what Cycles moves and hair is left to the picture."""
-        whole, out = np.ones(len(self.owners), bool), []
+        through, what Cycles moves and hair is left to the picture; holes have none of their own, and hide others'."""
+        whole, out = ~self.holdouts & ~self.catchers, []
         odd = self.clear | self.displaced
         for mesh, strands in zip(self.meshes, self.ribbons, strict=True):
             if mesh.kind == "lines":
@@ -67,7 +67,7 @@ class Objects:
             bad = odd[mesh.material_index] if mesh.material is None else odd[mesh.material]
             if strands is not None or np.any(bad):
                 whole[mesh.object_index if mesh.object is None else np.unique(mesh.object)] = False
-            if strands is not None or np.all(bad):
+            if strands is not None or np.all(bad) or self.catchers[mesh.object_index]:
                 continue
             kept = slice(None) if not np.any(bad) else ~bad
             out.append(Mesh(mesh.points, mesh.corners[kept], model=mesh.model, object_index=mesh.object_index,

@@ -78,13 +78,14 @@ def _with_shade(full, told, ambient, things, drawn):
 
 def _measured(told, ambient, things, drawn):
     """The receivers.Found of what stands still, kept as long as nothing of it changes; None: there is nothing."""
-    still = [(placed, spots) for placed, spots, movers in drawn.instances if not things.moved(movers)]
-    if not any(spots for _, spots in still) or not things.size() > 0:
+    still = [(placed, spots) for placed, spots, movers in drawn.instances if not things.moved(movers)
+             and spots and np.isfinite(placed[1]).all() and np.isfinite(spots.places).all()]
+    if not still or not things.size() > 0:
         return None
     by = pickle.dumps([still, things.size(), ambient, told])
     if drawn.kept.measured is None or drawn.kept.measured[0] != by:
         with drawn.without(things.moved):
-            surfaces = receivers.Surfaces(drawn.scene, [(spots, placed[1]) for placed, spots in still if spots],
+            surfaces = receivers.Surfaces(drawn.scene, [(spots, placed[1]) for placed, spots in still],
                                           things.size())
             found = None
             if np.sum(surfaces.weights) > 0:

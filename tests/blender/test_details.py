@@ -48,4 +48,5 @@ def test_whatever_changes_the_scene_can_be_undone(facts):
 
 KEEPS = {"ENCRE_OT_bake", "ENCRE_OT_preset_import", "ENCRE_OT_preset_export", "ENCRE_OT_preset_remove",  # only files
          "ENCRE_OT_settings_copy", "ENCRE_OT_redraw", "ENCRE_OT_give_up", "ENCRE_OT_control_show",  # what was rendered
-         "ENCRE_OT_give_way", "ENCRE_OT_open_layers"}
+         "ENCRE_OT_give_way", "ENCRE_OT_open_layers",
+         "ENCRE_OT_study", "ENCRE_OT_study_run"}  # and what shows it

@@ -45,8 +45,9 @@ def test_picture(render):
     # The same from what the file holds.
     settings = metadata.read(shot.metadata("picture"))
     images, nonfinite = layers.assemble(dict(found), Settings(settings.scene, settings.styles), saved.unpack(found))
-    again = library.render(images, settings.scene, camera=settings.camera, frame=settings.frame,
-                        outputs=("Combined", *layers.DRAWN))
+    (lines,) = settings.chains.values()
+    again = library.render(images, settings.scene, camera=settings.camera, frame=settings.frame, chains=lines,
+                           outputs=("Combined", *layers.DRAWN))
     assert nonfinite + again.nonfinite == 0
     for name, picture in again.images.items():
         assert np.abs(picture - found[name]).max() <= 1e-5, name

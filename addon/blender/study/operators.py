@@ -52,6 +52,7 @@ class ENCRE_OT_study(bpy.types.Operator):
 
     bl_idname = "encre.study"
     bl_label = "Inter-Color Study"
+    bl_options = {"REGISTER"}
 
     directory: bpy.props.StringProperty(name="Folder", subtype="DIR_PATH", default="//study/",
                                         options=versions.BLEND_RELATIVE, description="Where a file of each person goes")

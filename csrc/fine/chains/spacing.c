@@ -154,6 +154,7 @@ int32_t ISA(stations_sort)(stations *s)
 
 /* Px. What is wider is no thin thing. */
 static const float widest = 24;
+static const float least_widest = 6; /* pixels: in a small frame, too, more than what is drawn as one line */
 static const float abreast = 0.8f;                 /* pixels along the way by which both contours may lie apart */
 static const float parted = 0.5f, beside = 0.8f;   /* cosines of contours that have nothing to do with each other, and
 						      that run along each other */
@@ -186,7 +187,7 @@ static void measure_stations(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const stations *s = data;
-	float most = widest * s->n->f->scale;
+	float most = max(widest * s->n->f->scale, least_widest);
 	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
 		station *t = s->at + i;
 		t->apart = t->across = most;
