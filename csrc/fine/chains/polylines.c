@@ -10,6 +10,9 @@ static const float beyond_frame = 12;  /* pixels beside the image where lines st
 /* Pixels from the end of a run to the line that it meets, two steps of stations; what is nearer lies at one place. */
 static const float tie_reach = 1.6f, one_place = 0.03f;
 static const float own_run = 4; /* pixels along a run that do not count as another line */
+/* Pixels over which two ends that lie ahead of each other are one line: where a contour turns into another one, both
+ * fade. Cosine of how far aside they may lie; pixels back along the run that tell its way. */
+static const float ahead_reach = 8, straight_on = 0.85f, way_back = 3;
 
 static const uint32_t no_site = UINT32_MAX;
 
@@ -184,6 +187,50 @@ static uint32_t met_by(const fine *n, uint32_t i)
 	return best;
 }
 
+/* Which way a run goes on at its end, of length 1; false: it has none. */
+static bool way_on(const fine *n, uint32_t i, float way[2])
+{
+	uint32_t count = n->chains[0] + n->chains[1], back = i;
+	for (int step = -1; step <= 1; step += 2)
+		for (uint32_t j = i; (step < 0 ? j > 0 : j + 1 < count);) {
+			j = step < 0 ? j - 1 : j + 1;
+			float s = fabsf(n->chain[j].s - n->chain[i].s), last = fabsf(n->chain[back].s - n->chain[i].s);
+			if (n->chain[j].run != n->chain[i].run || s > way_back || s - last > tie_reach)
+				break;
+			back = j;
+		}
+	float x = n->site[i].placed.x - n->site[back].placed.x, y = n->site[i].placed.y - n->site[back].placed.y;
+	float length = sqrtf(x * x + y * y);
+	way[0] = length > 0 ? x / length : 0;
+	way[1] = length > 0 ? y / length : 0;
+	return length > 0;
+}
+
+static bool lies_ahead(const fine *n, uint32_t i, uint32_t of)
+{
+	const site *a = n->site + i, *b = n->site + of;
+	float way[2], x = b->placed.x - a->placed.x, y = b->placed.y - a->placed.y, far = sqrtf(x * x + y * y);
+	return far > 0 && way_on(n, i, way) && x * way[0] + y * way[1] > straight_on * far;
+}
+
+/* The nearest end that meets nothing either and goes on in this one. */
+static uint32_t faces(const fine *n, uint32_t i, const uint32_t *met)
+{
+	const site *s = n->site + i;
+	uint32_t best = no_site;
+	float least = ahead_reach * ahead_reach;
+	near_sites of = near_site(n, s, ahead_reach);
+	for (uint32_t j; near_next(n, &of, &j);) {
+		if (j == i || !is_chain(n->site + j) || !n->chain[j].tied || met[j] != no_site ||
+		    (n->chain[j].run == n->chain[i].run && fabsf(n->chain[j].s - n->chain[i].s) <= tie_reach) ||
+		    !(apart2(s, n->site + j) < least) || !lies_ahead(n, i, j) || !lies_ahead(n, j, i))
+			continue;
+		best = j;
+		least = apart2(s, n->site + j);
+	}
+	return best;
+}
+
 int32_t ISA(chains_link)(fine *n)
 {
 	uint32_t count = n->chains[0] + n->chains[1], links = n->chain_links;
@@ -194,6 +241,12 @@ int32_t ISA(chains_link)(fine *n)
 	for (uint32_t i = 0; !code && i < count; i++) {
 		code = at_step(n, i);
 		met[i] = n->chain[i].tied ? met_by(n, i) : no_site;
+	}
+	for (uint32_t i = 0; !code && i < count; i++) {
+		uint32_t other = n->chain[i].tied && met[i] == no_site ? faces(n, i, met) : no_site;
+		code = at_step(n, i);
+		if (other != no_site && i < other && faces(n, other, met) == i && n->chain_links < 2 * count)
+			add_link(n, i, other);
 	}
 	/* what lies at one place is one site */
 	for (uint32_t i = 0; !code && i < count; i++) {
