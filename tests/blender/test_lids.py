@@ -44,4 +44,4 @@ def test_a_lid_s_line_neither_jumps_nor_has_blobs(render, view):
     # 1.7 when lines came from pixels: where a full outline meets a fold that fades, the width changes within 3 px
     assert np.percentile(ratio, 95) < 1.25 and ratio.max() < 2
     about = np.array([np.median(np.take(width, range(k - 20, k + 21), mode="wrap")) for k in range(len(width))])
-    assert (width < 1.6 * about).all() and (width > 0.75 * about).all()
+    assert (width < 1.6 * about).all() and (width > 0.6 * about).all()  # 0.75 then, as above

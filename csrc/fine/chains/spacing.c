@@ -155,7 +155,7 @@ int32_t ISA(stations_sort)(stations *s)
 /* Px. What is wider is no thin thing. */
 static const float widest = 24;
 static const float least_widest = 6; /* pixels: in a small frame, too, more than what is drawn as one line */
-static const float abreast = 0.8f;                 /* pixels along the way by which both contours may lie apart */
+static const float abreast = 0.8f;   /* pixels along the way by which both contours may lie apart */
 static const float parted = 0.5f, beside = 0.8f;   /* cosines of contours that have nothing to do with each other, and
 						      that run along each other */
 static const float rod = 0.05f, tip = 0.15f;       /* sines of contours of a rod, and of a tip */
