@@ -142,7 +142,7 @@ def main(arguments=None):
     chosen.sort(key=lambda mutant: (mutant.path.startswith(TWINS), mutant.path))
     chosen = chosen[len(chosen) * (k - 1) // parts:len(chosen) * k // parts]
     print(f"mutate: seed {seed}, {len(chosen)} changes", flush=True)
-    listed, survived = mutants.known(), []
+    listed, survived, at_random = mutants.known(), [], 0
     equal = [mutant for mutant in chosen if mutant.names & listed]
     with tempfile.TemporaryDirectory(prefix="encre-mutate-") as folder:
         tree = Path(folder).resolve()
@@ -153,10 +153,12 @@ def main(arguments=None):
         for mutant, by, took in own.run([m for m in chosen if m not in equal], tests_of):
             if by is None:
                 survived.append(mutant)
+            at_random += by is not None and by.startswith(RANDOM)
             print(f"{'SURVIVES' if by is None else 'noticed ':8} {took:5.1f} s  {mutant}{f'   [{by}]' if by else ''}",
                   flush=True)
     tried = len(chosen) - len(equal)
-    print(f"mutate: seed {seed}: {tried - len(survived)} noticed, {len(survived)} survived: "
+    print(f"mutate: seed {seed}: {tried - len(survived)} noticed, {at_random} of them by random jobs alone, "
+          f"{len(survived)} survived: "
           f"{100 * len(survived) / max(1, tried):.1f} % of {tried}; besides, {len(equal)} are known to change nothing")
     for mutant in survived:
         print(f"    {mutant}")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lines in textures: against the reference, byte for byte across threads and builds, and what bad input gets."""
 
+import kept
 import numpy as np
 import pytest
 from encre.pen import library
@@ -39,7 +40,7 @@ def smooth_forms(height, width):
 
 
 def check(texture, scene=None, tolerance=1e-4, **options):
-    want, greatest = reference.bake(texture, {**DEFAULTS, **(scene or {})}, **options)
+    want, greatest = kept.of(reference.bake, texture, {**DEFAULTS, **(scene or {})}, **options)
     got = library.bake(texture, scene, **options)
     assert got.greatest == pytest.approx(greatest, abs=2e-5)
     assert np.abs(got.texture - want).max() <= tolerance

@@ -3,6 +3,7 @@
 
 from dataclasses import replace
 
+import kept
 import numpy as np
 import pytest
 from encre.pen.errors import EncreError
@@ -50,8 +51,8 @@ def test_as_every_point_of_a_lamp_gives(name, rough):
     stage, surface = Shining(), (0.8, 0.5, 0.04, rough, 0.04, 0.3)
     found = stage.shine([SHINING[name]], surface)
     sharp = name == "point"
-    wanted, there = reference.draw(stage.world, SHINING[name], surface, stage.view, stage.projection, WIDTH, HEIGHT,
-                                   1 if sharp else 256)
+    wanted, there = kept.of(reference.draw, stage.world, SHINING[name], surface, stage.view, stage.projection, WIDTH,
+                            HEIGHT, 1 if sharp else 256)
     apart, peak = abs(found - wanted)[there], wanted[there].max(0)
     assert (peak > 0.03).all() and not found[~there].any()
     mean, most, whole = (1e-5, 1e-4, 1e-3) if sharp else (0.025, 0.17, 0.05)

@@ -3,6 +3,7 @@
 
 from dataclasses import replace
 
+import kept
 import numpy as np
 import pytest
 from encre.pen import irradiance, library
@@ -17,7 +18,7 @@ from reference import light as reference
     pytest.param(name, marks=pytest.mark.long if name in ("disc", "ellipse") else ()) for name in LAMPS])
 def test_as_every_ray_by_hand(name):
     stage, lamp = Stage(36, 24, smooth=True), LAMPS[name]
-    light, plain, triangle, _ = reference.draw(stage.world, lamp, stage.view, stage.projection, 36, 24)
+    light, plain, triangle, _ = kept.of(reference.draw, stage.world, lamp, stage.view, stage.projection, 36, 24)
     found = stage.light(lamp)
     assert (found == found[..., :1]).all()
     there, bright = triangle >= 0, plain.max()
@@ -132,7 +133,8 @@ ABOUT = [Bend(squashed((0, 0, 1.0), (2.2, 1.9, 2.4)), 1.0, 0.3),
 def test_ellipsoids_bend_light(name):
     """About the cube as about a face, and about the ball; the plane below lies in both."""
     stage, lamp = Stage(36, 24, smooth=True), LAMPS[name]
-    light, plain, triangle, _ = reference.draw(stage.world, lamp, stage.view, stage.projection, 36, 24, 1, ABOUT)
+    light, plain, triangle, _ = kept.of(reference.draw, stage.world, lamp, stage.view, stage.projection, 36, 24, 1,
+                                        ABOUT)
     found, straight = stage.light(lamp, bends=ABOUT)[..., 0], stage.light(lamp)[..., 0]
     there = triangle >= 0
     error = abs(found - light) / plain.max()
@@ -165,7 +167,7 @@ def test_ellipsoids_that_are_none_are_refused(bend):
 def test_without_shadows():
     stage = Stage(32, 20)
     lamp = Lamp("sun", shadows=False, model=ways())
-    plain = reference.draw(stage.world, lamp, stage.view, stage.projection, 32, 20)[1]
+    plain = kept.of(reference.draw, stage.world, lamp, stage.view, stage.projection, 32, 20)[1]
     assert np.allclose(stage.light(lamp)[..., 0], plain, atol=1e-5)
 
 
@@ -278,7 +280,7 @@ def test_instances_share_geometry_and_may_be_mirrored():
     lamp = LAMPS["wide sun"]
     found = shared.light(lamp)
     assert (found == alone.light(lamp)).all()
-    expected, _, triangle, _ = reference.draw(alone.world, lamp, alone.view, alone.projection, 40, 25, 6)
+    expected, _, triangle, _ = kept.of(reference.draw, alone.world, lamp, alone.view, alone.projection, 40, 25, 6)
     assert abs(found[..., 0] - expected)[triangle >= 0].mean() < 0.01
 
 

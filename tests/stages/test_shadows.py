@@ -2,7 +2,9 @@
 """Drawn light against its twin, which does the same by simpler means: on small pictures, lamp by lamp."""
 
 import functools
+from pathlib import Path
 
+import kept
 import numpy as np
 import pytest
 from encre.pen import irradiance
@@ -48,6 +50,11 @@ def alike(got, want, within=3e-6):
     np.testing.assert_allclose(got, want, atol=within * want.max(), rtol=0)
 
 
+def lit(picture, lamps, world, rims):
+    """What the twin draws."""
+    return Picture(*picture).light(lamps, irradiance.polynomials, world, rims)
+
+
 class Case:
     """A scene with lamps, its layers, and what the twin draws. Nothing here calls the library."""
 
@@ -58,9 +65,9 @@ class Case:
         self.depth, self.normal = (layer[part].copy() for layer in layers(self.stage))
         self.depth[hidden] = 1e10
         self.depth *= np.float32(off)
-        twin = Picture(self.stage.world, self.stage.view, self.stage.projection, (self.frame.width, self.frame.height),
-                       0.1, self.depth, self.normal, (self.frame.x, self.frame.y), bends)
-        self.want = twin.light(lamps, irradiance.polynomials, world, rims)
+        picture = (self.stage.world, self.stage.view, self.stage.projection, (self.frame.width, self.frame.height), 0.1,
+                   self.depth, self.normal, (self.frame.x, self.frame.y), bends)
+        self.want = kept.of(lit, picture, lamps, world, rims, by=Path(irradiance.__file__).read_bytes())
 
     def got(self):
         return self.stage.light(*self.lamps, depth=self.depth, normal=self.normal, frame=self.frame, world=self.by,
