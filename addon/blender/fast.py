@@ -70,6 +70,9 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     foggy, unread = volumes.fogs(depsgraph, light.mean)
     if unread:
         notes.append(f"not shown, as only Cycles can show it: what fills {', '.join(unread)}")
+    if objects.catchers.any():
+        notes.append("shadow catchers catch no shadows, as only Cycles can show them; choose Cycles for Layers to see "
+                     "them")
     made = looks.programs(objects.materials, objects.things, first)
     return Scene(objects, light, made, sky * light.exposure, scene.render.film_transparent,
                  subject.read(depsgraph, camera, light), clip, notes, first > 0,
@@ -272,8 +275,9 @@ class Scene:
         _, looks, *diffuse = yield [*first, *([] if later else light(maps["depth"], first[1].result()))]
         open_ = objects.clear[maps["material"].astype(np.int32)] & (looks["surface"][..., 0] < _SHOWS)
         changed = open_.copy()
-        glow = looks["emission"] * open_[..., None]  # it adds to what is behind
+        glow = None
         if open_.any():
+            glow = looks["emission"] * open_[..., None]  # it adds to what is behind
             yield from self._behind(maps, looks, open_, works, glow)
             pixels = np.flatnonzero(changed)
             for name in ("marks", "creases"):  # there the rasteriser's lines are those of what is in front
@@ -286,7 +290,8 @@ class Scene:
                     looks[name][..., (0, 1, 2, 4)] /= alpha
                 else:
                     np.divide(looks[name], alpha, out=looks[name])
-            looks["emission"] += glow
+            if glow is not None:
+                looks["emission"] += glow
         if later:
             depth = yield from self._lit_depth(maps, view, projection, frame, size, clip)
             diffuse = yield light(depth, looks)
@@ -349,6 +354,8 @@ class Scene:
 
     def _by_light(self, maps, looks, light, view, projection, frame):
         """The steps that change the looks of what is as the light on it has it."""
+        if not self.lit:
+            return
         number = maps["material"].astype(np.int32)
         where = np.isin(number, list(self.lit)) & (maps["object"] > 0)
         if not where.any():

@@ -37,6 +37,7 @@ def test_who_places_a_thing_hides_it_as_it_does_itself(render):
     seen = {label: bool(index[8 * (k // 8) + 4, 8 * (k % 8) + 4] > 0) for k, label in enumerate(alpha)}
     assert seen == {label: there >= 0.5 for label, there in alpha.items()}
     assert len(seen) == 35 and 10 < sum(seen.values()) < 25
+    assert shot.output.count("shadow catchers catch no shadows") == 1
 
 
 def test_what_nodes_leave_beside_meshes_ends_no_frame(render):
