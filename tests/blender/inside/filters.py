@@ -8,6 +8,7 @@ from studio import both, cube, material, plane, stage, world
 
 def _scene():
     scene = stage(96, 54, 4)
+    scene.encre.light_denoise = "NONE"  # as it is rendered
     scene.cycles.pixel_filter_type, scene.cycles.filter_width, scene.cycles.max_bounces = "BOX", 0.01, 0
     scene.encre.save_layers, scene.encre.light_source = "ON", "DRAWN"
     return scene

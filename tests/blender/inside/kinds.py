@@ -68,6 +68,7 @@ def _by_both(scene, out):
 def shaders(out):
     """A cube of each, from the left to the right."""
     scene = stage(samples=4, ground=False)
+    scene.encre.light_denoise = "NONE"  # as it is rendered
     for name in ("Cube", "Ball"):
         bpy.data.objects.remove(bpy.data.objects[name])
     for k, (name, make) in enumerate(SHADERS.items()):
