@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # make demo | gallery | docs | languages | hashes | test | test-all | test-long | mutate | bench | bench-peers |
-# bench-live | lint | extension | wheels | clean. Each sets up what it needs in .venv.
+# bench-live | lint | site | extension | release | clean. Each sets up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
 # One Blender module per Python: the wheels on the package index are built for exactly one version each.
@@ -9,7 +9,7 @@ RUN := .venv/bin/python
 # Python keeps what it has compiled, whatever the shell says: tests begin hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo gallery docs languages hashes extension wheels blenders libraries test test-all test-long mutate bench \
+.PHONY: demo gallery docs site languages hashes extension release blenders libraries test test-all test-long mutate bench \
 	bench-peers bench-live lint clean build
 
 .venv/ready: pyproject.toml
@@ -23,15 +23,14 @@ export PYTHONDONTWRITEBYTECODE :=
 build: .venv/ready
 	$(RUN) setup.py -q build_ext --inplace
 
-# The scene by two presets and as Cycles shows it, but for noise, from one render; and Ink only from one with the light
-# that it draws, which needs few samples.
+# The scene by two presets and as Cycles shows it, but for noise, from one render; and Ink only, which needs no Cycles.
 demo: build
 	@.venv/bin/encre render scenes/street.py -o build/demo/street.exr
 	@for preset in water_memory inter_color; do \
 		.venv/bin/encre composite build/demo/street.exr --preset $$preset -o build/demo/$$preset.png || exit; done
 	@.venv/bin/encre composite build/demo/street.exr -o build/demo/cycles.png \
 		$(foreach stage,lines shading smudging hatching,--set use_$(stage)=off)
-	@.venv/bin/encre render scenes/street.py --preset ink_only --samples 4 -o build/demo/ink_only.png
+	@.venv/bin/encre render scenes/street.py --preset ink_only -o build/demo/ink_only.png
 
 # The pictures of docs/gallery.md and docs/scenes.md: minutes a scene.
 gallery: build
@@ -41,6 +40,15 @@ gallery: build
 docs: build
 	$(RUN) tests/helpers/pages.py
 
+# docs/ as a site in build/site: fails where a link leads nowhere.
+build/site-tools/ready:
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/python -m pip install -q "mkdocs-material==9.*"
+	@touch $@
+
+site: build/site-tools/ready
+	build/site-tools/bin/mkdocs build --strict --quiet
+
 # What random jobs draw, after a change that is to be seen: tests/helpers/hashes.txt.
 hashes: build
 	$(RUN) tests/helpers/hashes.py
@@ -49,17 +57,28 @@ hashes: build
 languages: build
 	$(RUN) tests/helpers/languages.py --write
 
-extension: .venv/ready
-	$(RUN) setup.py -q extension
+# What packs needs no Blender.
+build/pack/ready:
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/python -m pip install -q "setuptools>=77"
+	@touch $@
+
+# For this machine, into build: encre-VERSION-PLATFORM.zip for Blender 4.2 and later, ...-addon.zip for 3.4 to 4.1.
+extension: build/pack/ready
+	build/pack/bin/python setup.py -q extension addon
 
 # The compiler for other platforms.
+build/pack/wheels: build/pack/ready
+	$(@D)/bin/python -m pip install -q "ziglang==0.17.1" "auditwheel==6.8.2"
+	@touch $@
+
+# All that is downloaded, for every platform, into build/release: minutes. WEBSITE=https://... is shown by extensions.
+release: build/pack/wheels
+	ENCRE_WEBSITE=$(WEBSITE) build/pack/bin/python tools/wheels.py
+
 .venv/wheels: .venv/ready
 	PYTHONWARNINGS=ignore $(RUN) -m pip install -q -e ".[wheels]"
 	@touch $@
-
-# For every platform, into build/wheels: minutes.
-wheels: .venv/wheels
-	$(RUN) tools/wheels.py
 
 # One process more than there are cores: tests wait now and then. What their slow twins find is kept (build/kept), and
 # so found once, whichever process asks. Windows and packages of test-all are shared by the tests of a file.

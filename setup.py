@@ -4,6 +4,7 @@
     python setup.py build_ext --inplace [--debug] [--werror] [--scalar] [--sanitize=address,undefined]
 
     python setup.py extension [--wheel=FILE]       build/encre-VERSION-PLATFORM.zip, what Blender 4.2 and later installs
+    python setup.py addon [--wheel=FILE]           build/encre-VERSION-PLATFORM-addon.zip, for Blender 3.4 to 4.1
 
 CC chooses the compiler. --debug also checks what must hold between the passes of FINE, and aborts where it does not.
 --scalar builds without vectorisation and without the second instruction set: results are the same bytes, and the test
@@ -14,6 +15,7 @@ than this one, with the compiler of the package ziglang (tools/wheels.py).
 
 import base64
 import hashlib
+import json
 import os
 import platform
 import shlex
@@ -142,11 +144,8 @@ class Wheel(bdist_wheel):
         super().run()
 
 
-class ExtensionZip(Command):
-    """The zip that Blender installs: the Python without the command line, and a wheel that holds the library alone.
-
-    So Blender runs the Python under the extension's own name, and forgets it when it is updated. It never forgets a
-    library, and a loader takes another file of the same name for the one that it has: this name tells the build."""
+class _Zip(Command):
+    """A zip that a Blender installs, of what a wheel holds."""
 
     user_options = [("wheel=", None, "the wheel to take all from, instead of one built now")]
 
@@ -162,22 +161,53 @@ class ExtensionZip(Command):
             self.wheel = self.distribution.dist_files[-1][2]
         _, version, tag = Path(self.wheel).stem.split("-", 2)
         os.makedirs("build", exist_ok=True)
-        out = Path("build", f"encre-{version}-{PLATFORM}.zip")
+        out = Path("build", f"encre-{version}-{PLATFORM}{self.ending}.zip")
         with zipfile.ZipFile(self.wheel) as held, zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as file:
-            library = held.read(f"encre/{NAME}")
-            build = f"{version}+{hashlib.sha256(library).hexdigest()[:8]}"
-            wheel = f"wheels/encre_library-{build}-{tag}.whl"
-            head = f'version = "{version}"\nplatforms = ["{PLATFORM}"]\nwheels = ["./{wheel}"]\n'
-            file.writestr("blender_manifest.toml", head + held.read("encre/blender_manifest.toml").decode())
-            for name in held.namelist():
-                inner = name.removeprefix("encre/")
-                if not (inner == name or inner in (NAME, "__main__.py", "blender_manifest.toml")
-                        or inner.startswith("cli/")):
-                    file.writestr(inner, held.read(name))
-            file.write("LICENSE")
-            with file.open(wheel, "w") as inside:
-                library_wheel(inside, build, tag, library)
+            self.pack(held, file, version, tag)
         print(out)
+
+    def python(self, held):
+        """(name in the package, contents) of all but the command line, the library and the manifest."""
+        for name in held.namelist():
+            inner = name.removeprefix("encre/")
+            if not (inner == name or inner in (NAME, "__main__.py", "blender_manifest.toml")
+                    or inner.startswith("cli/")):
+                yield inner, held.read(name)
+
+
+class ExtensionZip(_Zip):
+    """What Blender 4.2 and later installs: the Python without the command line, and a wheel that holds the library.
+
+    So Blender runs the Python under the extension's own name, and forgets it when it is updated. It never forgets a
+    library, and a loader takes another file of the same name for the one that it has: this name tells the build."""
+
+    ending = ""
+
+    def pack(self, held, file, version, tag):
+        library = held.read(f"encre/{NAME}")
+        build = f"{version}+{hashlib.sha256(library).hexdigest()[:8]}"
+        wheel = f"wheels/encre_library-{build}-{tag}.whl"
+        head = f'version = "{version}"\nplatforms = ["{PLATFORM}"]\nwheels = ["./{wheel}"]\n'
+        if website := os.environ.get("ENCRE_WEBSITE"):  # of whoever publishes it: its pages, where faults are told too
+            head += f"website = {json.dumps(website)}\n"
+        file.writestr("blender_manifest.toml", head + held.read("encre/blender_manifest.toml").decode())
+        for name, data in self.python(held):
+            file.writestr(name, data)
+        file.write("LICENSE")
+        with file.open(wheel, "w") as inside:
+            library_wheel(inside, build, tag, library)
+
+
+class AddonZip(_Zip):
+    """What Blender 3.4 to 4.1 installs: one folder with the Python, without the command line, and the library."""
+
+    ending = "-addon"
+
+    def pack(self, held, file, version, tag):
+        for name, data in self.python(held):
+            file.writestr(f"encre/{name}", data)
+        file.writestr(f"encre/{NAME}", held.read(f"encre/{NAME}"))
+        file.write("LICENSE", "encre/LICENSE")
 
 
 def library_wheel(file, build, tag, library):
@@ -200,5 +230,5 @@ def library_wheel(file, build, tag, library):
 if __name__ == "__main__":  # tests take commands() from here
     setup(
         ext_modules=[Extension("encre.libencre", [])],
-        cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel, "extension": ExtensionZip},
+        cmdclass={"build_ext": BuildLibrary, "bdist_wheel": Wheel, "extension": ExtensionZip, "addon": AddonZip},
     )

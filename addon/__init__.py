@@ -6,7 +6,7 @@ import sys
 
 bl_info = {
     "name": "Encre",
-    "description": "Comic-book rendering: inked lines, flat tinted light, smudged colour, pencil hatching",
+    "description": "Comic-book rendering: inked lines, flat tinted light, smudged color, pencil hatching",
     "blender": (3, 4, 0),
     "location": "Render properties > Render Engine",
     "category": "Render",

@@ -12,7 +12,8 @@ picture that grows, escape after a break; memory keeps the last render's layers,
 which redraw draws again, and instant while a setting is dragged; live inks rendered 3D views: eye tells what they look
 at, looks by which settings they draw, unread when nothing of the scene has changed, screen draws in them; threads holds
 what Python needs on a render's thread and beside one. bake draws into textures; panels shows it all, with thumbnails of
-presets, in other languages by languages; pens has what artists call theirs.
+presets, in other languages by languages; pens has what artists call theirs, front what is said of many settings at
+once.
 
 wanted asks a view layer for passes, known is what of one is known before. fast reads a scene once and draws its layers
 from any side: materials compiles node trees, by nodes, shaders, inputs, patterns, values and sums, with trees to follow

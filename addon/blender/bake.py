@@ -147,7 +147,7 @@ def discard(new):
 
 
 class ENCRE_OT_bake(bpy.types.Operator):
-    """Draw lines into the image textures of the selected objects, where their colours meet. The images are kept"""
+    """Draw lines into the image textures of the selected objects, where their colors meet. The images are kept"""
 
     bl_idname = "encre.bake"
     bl_label = "Bake Inter-Color Lines"
@@ -221,7 +221,7 @@ class ENCRE_OT_bake(bpy.types.Operator):
                                        "choose another folder") from None
         self.tasks, self.done, self.values = tasks(context.selected_objects), [], settings(context)
         if not self.tasks:
-            raise EncreError("no selected object shows a colour image; give a material an image texture")
+            raise EncreError("no selected object shows a color image; give a material an image texture")
 
     def step(self, context):
         """Bakes the next image. One that can't be is left as it is."""
@@ -271,7 +271,7 @@ class ENCRE_OT_fit_contrast(bpy.types.Operator):
             if found > greatest:
                 greatest, name = found, task.image.name
         if not greatest:
-            self.report({"ERROR"}, "The scene shows no image with different colours; give a material an image texture")
+            self.report({"ERROR"}, "The scene shows no image with different colors; give a material an image texture")
             return {"CANCELLED"}
         context.scene.encre.contrast_max = greatest
         self.report({"INFO"}, f"Full Contrast is {greatest:.3f}, the strongest contrast in {name}")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group *Encre Control* of Geometry Nodes: writes a control's attribute as painted colours, by noise, by the
+"""The node group *Encre Control* of Geometry Nodes: writes a control's attribute as painted colors, by noise, by the
 distance from an object and by the angle of view, each as strong as its amount, over what was painted or written before;
 so several modifiers lie one above another."""
 

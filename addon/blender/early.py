@@ -19,7 +19,7 @@ import numpy as np
 from ..pen import denoise
 from ..pen.background import Background, Course
 from ..pen.errors import EncreError
-from . import drawing, versions
+from . import drawing, overrides, versions
 from .known import Passes
 from .overrides import changed
 
@@ -43,7 +43,7 @@ class Early:
 
 def wanted(scene):
     """Whether a scene's stills are to be inked as they grow."""
-    return (not bpy.app.background and scene.encre.ink_early and scene.cycles.samples >= LEAST
+    return (not bpy.app.background and scene.encre.ink_early and overrides.samples(scene) >= LEAST
             and not scene.render.use_multiview)
 
 

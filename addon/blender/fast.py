@@ -59,13 +59,13 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         notes.append("no lamp and no world that can be drawn: a lamp shines from the camera")
     unknown = [f"{name} ({looks.unknown[name]})" for name in objects.materials if name in looks.unknown]
     if unknown:
-        notes.append(f"in their viewport colour, as only Cycles can show them: {', '.join(unknown)}")
+        notes.append(f"in their viewport color, as only Cycles can show them: {', '.join(unknown)}")
     world = filters.world(depsgraph)
     try:
         sky = skies.seen(world)
     except trees.Unknown as e:
         sky = Sky(np.array(world.color))
-        notes.append(f"the world in its viewport colour, as only Cycles can show its node {e}")
+        notes.append(f"the world in its viewport color, as only Cycles can show its node {e}")
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     foggy, unread = volumes.fogs(depsgraph, light.mean)
     if unread:

@@ -11,7 +11,7 @@ from ..pen.around import Window
 from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
-from . import cameras, fast, images, lamps, memory, unseen, versions, wanted
+from . import cameras, fast, images, lamps, memory, overrides, unseen, versions, wanted
 
 # What Cycles would have written: pass -> picture of fast.Scene.pictures().
 _PASSES = {"Depth": "depth", "Normal": "normal", "DiffDir": "diffuse", "DiffCol": "color", "GlossCol": "gloss",
@@ -76,7 +76,8 @@ class FastFrames:
         self.engine.update_stats("Encre", "reading the scene")
         scene = fast.read(depsgraph, settings, (camera.data.clip_start, camera.data.clip_end),
                           fast.Kept(lamps.between(self.engine, depsgraph)), camera)
-        for note in scene.notes:
+        blurred = overrides.blurred(depsgraph)
+        for note in (*scene.notes, *([overrides.without(blurred)] if blurred else [])):
             self.engine.say("WARNING", note)
         if settings.active and memory.wanted(self.engine, depsgraph.scene):
             kept = memory.Layer(Kept(name, settings), False)

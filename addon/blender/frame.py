@@ -72,6 +72,7 @@ class Frames:
         elif self.settings and self.settings.fast:
             self.fast = fast_frame.FastFrames(self.engine, self._go_on)
         elif self.settings and (self.settings.active or self.overrode):
+            overrides.fewer_samples(depsgraph, self.settings.active)
             automatic = self.settings.active and self.settings.scene["object_index"] == "AUTO"
             self.numbers = overrides.pass_indices(depsgraph, automatic)
 
@@ -135,7 +136,7 @@ class Frames:
             self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
         if blurred:
-            self.engine.say("WARNING", f"{' and '.join(blurred)}: rendered without, because lines need sharp layers")
+            self.engine.say("WARNING", overrides.without(blurred))
         for note in unseen.by_cycles(depsgraph) if settings.active else ():
             self.engine.say("WARNING", note)
         if settings.wants_seen:

@@ -28,9 +28,17 @@ def n_(text):
 
 def texts():
     """{language: {(context, English): its words}}"""
-    return {path.stem: {(context, english): words for context in _CONTEXTS
-                        for english, words in json.loads(path.read_text(encoding="utf-8")).items() if words}
-            for path in sorted(FOLDER.glob("*.json"))}
+    from ..pen import library
+    from . import properties  # which needs the words of here
+
+    found = {}
+    for path in sorted(FOLDER.glob("*.json")):
+        words = {english: text for english, text in json.loads(path.read_text(encoding="utf-8")).items() if text}
+        for p in library.params().values():  # tooltips are made of several texts
+            if p.help in words:
+                words[properties.tooltip(p)] = properties.tooltip(p, lambda text, words=words: words.get(text, text))
+        found[path.stem] = {(context, english): text for context in _CONTEXTS for english, text in words.items()}
+    return found
 
 
 def register():

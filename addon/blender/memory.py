@@ -68,7 +68,7 @@ class Layer:
         """What must be rendered before the picture can be drawn with other settings; None: nothing."""
         old = self.before.settings
         changed = {
-            "Layers": new.fast != old.fast,
+            "Render": new.fast != old.fast,
             "Supersample": old.factor != new.factor,
             "Light": old.draws_light != new.draws_light and not new.fast,
             "World Shadows": (new.draws_light or new.fast) and old.shadows_world != new.shadows_world,

@@ -12,7 +12,8 @@ from bpy.app.handlers import persistent
 from ..pen.settings import VERSION, since
 from . import ENGINE, handlers, properties
 
-PASSES = 2  # up to this version every view layer had all passes
+PASSES = 2   # up to this version every view layer had all passes
+SAMPLES = 3  # up to this version Cycles' own number of samples was the only one
 
 
 def migrate(scene):
@@ -22,6 +23,8 @@ def migrate(scene):
         for id_, value in since(settings.version).items():
             if not settings.is_property_set(id_):
                 setattr(settings, id_, value)
+        if settings.version <= SAMPLES and not settings.is_property_set("samples"):
+            settings.samples = 0
         if settings.version < PASSES:
             for layer in scene.view_layers:
                 for switch in properties.PASSES:

@@ -13,6 +13,10 @@ from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
 from . import ENGINE, cameras, fast_frame, instant, memory, properties, redraw, versions
 
+# What another program renders has no ink yet, and nothing tells it from what the image editor saves.
+_INKED = ("no picture without ink, as files that the image editor saves: what is inked in it is inked again; render to "
+          "a multilayer file with Save Layers")
+
 
 def load(scene, path):
     """Keeps a file's layers of a scene's frame. Sentences about what is drawn otherwise, as the file lacks what that
@@ -41,6 +45,8 @@ def load(scene, path):
             layer = scene.view_layers[name].name if name in scene.view_layers else scene.view_layers[0].name
             kept[layer] = _layer(file, layer, passes, settings, said, rows, own, (width, height),
                                  said.chains.get((name, view)))
+            if "Encre Source" not in passes:
+                lacks[_INKED] = None
             lacks.update(dict.fromkeys(saved.missing(passes, asked)))
     if not kept:
         raise EncreError(f"{path}: has none of the scene's view layers with passes that can be drawn again; render it "
@@ -60,8 +66,9 @@ def _layer(file, name, passes, settings, said, rows, own, size, lines):
     slim.unpack(shown, said.camera)
     clean = None
     if "Encre Diffuse" not in shown and settings.denoises and denoise.available(versions.home()):
-        def clean(picture, albedo, normal):
-            return denoise.denoise(picture, albedo, normal, home=versions.home(), scale=settings.light_scale)
+        def clean(picture, albedo, normal, *surface):
+            return denoise.denoise(picture, albedo, normal, home=versions.home(), scale=settings.light_scale,
+                                   surface=surface)
     made, _ = layers.assemble(dict(shown), settings, saved.unpack(shown), clean)
     if lines is not None:
         made["chains"] = lines

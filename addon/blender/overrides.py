@@ -13,6 +13,7 @@ import numpy as np
 from . import versions
 from .threads import put
 
+SAMPLES = 16  # enough for light that is denoised and cut into levels
 _MOST_INDICES = 32767  # pass_index is a short
 
 
@@ -47,19 +48,45 @@ def denoiser(depsgraph, shaded, overrode):
     return shaded and user and depsgraph.view_layer.cycles.use_denoising, missing
 
 
+def samples(scene):
+    """How many samples a pixel Cycles takes at most: Encre's own number, where it is lower than Cycles'."""
+    return min(scene.cycles.samples, scene.encre.samples or scene.cycles.samples)
+
+
+def fewer_samples(depsgraph, fewer):
+    """Has Cycles take as many as samples() says, or as many as its own settings say where nothing is drawn."""
+    _set(depsgraph.scene_eval.cycles, "samples",
+         samples(depsgraph.scene) if fewer else depsgraph.scene.cycles.samples)
+
+
 def denoises(depsgraph):
     """Whether Cycles' denoiser is on where it may be, and is there."""
     wanted = depsgraph.scene.cycles.use_denoising and depsgraph.view_layer.cycles.use_denoising
     return wanted and versions.has_cycles_denoiser()
 
 
+def _blurs(depsgraph):
+    """(evaluated owner, the user's, switch, name) of motion blur and of each camera's depth of field."""
+    yield depsgraph.scene_eval.render, depsgraph.scene.render, "use_motion_blur", "motion blur"
+    for block in depsgraph.ids:
+        if isinstance(block, bpy.types.Camera):
+            yield block.dof, block.original.dof, "use_dof", "depth of field"
+
+
+def without(names):
+    """That a picture is without these, in a sentence."""
+    return f"{' and '.join(names)}: rendered without, because lines need sharp layers"
+
+
+def blurred(depsgraph):
+    """The names of what is on of motion blur and depth of field."""
+    return sorted({name for evaluated, _, switch, name in _blurs(depsgraph) if getattr(evaluated, switch)})
+
+
 def blur(depsgraph, off):
     """Switches motion blur and depth of field off, or back to what the user set. Returns the names of what was on."""
-    cameras = (block for block in depsgraph.ids if isinstance(block, bpy.types.Camera))
-    blurs = [(depsgraph.scene_eval.render, depsgraph.scene.render, "use_motion_blur", "motion blur"),
-             *((camera.dof, camera.original.dof, "use_dof", "depth of field") for camera in cameras)]
     found = set()
-    for evaluated, user, switch, name in blurs:
+    for evaluated, user, switch, name in list(_blurs(depsgraph)):
         if not off:
             _set(evaluated, switch, getattr(user, switch))
         elif getattr(evaluated, switch):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is painted on meshes: each control is an attribute `encre_<control>`, as a colour grey where it is neutral."""
+"""What is painted on meshes: each control is an attribute `encre_<control>`, as a color gray where it is neutral."""
 
 import bpy
 import numpy as np
@@ -11,7 +11,7 @@ from .attributes import get
 
 _COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
 _GREY = 128 / 255  # 8-bit mid grey is exactly neutral
-STRENGTH = 0.5     # that a brush begins with
+STRENGTH = 0.15    # that a brush begins with: two strokes make lines twice as thick
 BRUSHES = {"ADD": "ADD", "SUBTRACT": "SUB", "NEUTRAL": "MIX"}  # kind: how the brush blends mid grey
 
 
@@ -28,7 +28,7 @@ def check(mesh, control):
     if not mesh.polygons:
         raise EncreError(f"{mesh.name}: the mesh has no faces to paint on; choose another object")
     if attribute(mesh, control) is None and control.attribute in mesh.attributes:
-        raise EncreError(f"{mesh.name}: its attribute {control.attribute} is not a colour and can't be painted; remove "
+        raise EncreError(f"{mesh.name}: its attribute {control.attribute} is not a color and can't be painted; remove "
                          "it under Object Data, Attributes")
 
 

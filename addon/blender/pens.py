@@ -66,7 +66,7 @@ def _shown(pen):
     def write(settings, new):
         rename(settings, pen, new)
 
-    return bpy.props.StringProperty(name="Name", description="What this pen is called here; Kinds of Line shows it",
+    return bpy.props.StringProperty(name="Name", description="What this pen is called in the table of kinds of line",
                                     get=read, set=write, **OURS)
 
 

@@ -12,10 +12,11 @@ import numpy as np
 
 from ..pen import layers, library, slots
 from ..pen.settings import Settings, switches
-from . import pens, versions
+from . import overrides, pens, versions
 from .languages import OURS
 
-LENGTHS = {"px": "PIXEL", "factor": "FACTOR", "length": "DISTANCE"}
+LENGTHS = {"factor": "FACTOR", "length": "DISTANCE"}
+_STEPS = {"px": 50, "angle": 100, "degrees": 100}  # hundredths: what a click on a number's arrow adds
 # Linked objects and materials keep it in overrides; scenes can't be overridden. A group counts with its pointer only.
 _OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 
@@ -25,7 +26,19 @@ def _changed(_self, _context):
 
 
 def _common(p):
-    return {"name": p.label, "description": p.help, "update": _changed, **OURS}
+    return {"name": p.label, "description": tooltip(p), "update": _changed, **OURS}
+
+
+def tooltip(p, words=str):
+    """What a parameter does, and what must be on for it to do anything; words(text): in another language."""
+    needs = []
+    for term in filter(None, p.enabled_if.split("&")):
+        id_, _, items = term.lstrip("!").partition("=")
+        other = library.params()[id_]
+        label, names = words(other.label), {item.id: item.label for item in other.items}
+        of = " / ".join(words(names[item]) for item in items.split("|")) if items else ""
+        needs.append(f"{label}: {of}" if items else f"{words('no')} {label}" if term.startswith("!") else label)
+    return f"{words(p.help)}. {words('Needs')} {', '.join(needs)}" if needs else words(p.help)
 
 
 def _limits(p):
@@ -41,7 +54,8 @@ def _property(p):
         limits = {k: int(v) for k, v in _limits(p).items()}
         return bpy.props.IntProperty(default=p.default, **limits, **_common(p))
     if p.type == "float":
-        return bpy.props.FloatProperty(default=p.default, subtype=LENGTHS.get(p.unit, "NONE"), precision=3,
+        return bpy.props.FloatProperty(default=p.default, subtype=LENGTHS.get(p.unit, "NONE"),
+                                       precision=2 if p.unit in _STEPS else 3, step=_STEPS.get(p.unit, 3),
                                        **_limits(p), **_common(p))
     if p.type == "enum":
         if p.id.startswith("line_pen_"):  # items that change want a number
@@ -75,7 +89,7 @@ def _level_class():
                             default=0.5, min=0.0, soft_max=2.0),
         "transition": number(name="Transition", description="Width over which it blends with the level below",
                              default=0.025, min=0.0, soft_max=1.0),
-        "color": bpy.props.FloatVectorProperty(name="Color", description="Colour of this level's light", size=3,
+        "color": bpy.props.FloatVectorProperty(name="Color", description="Color of this level's light", size=3,
                                                subtype="COLOR", default=(1, 1, 1), min=0.0, soft_max=1.0,
                                                update=_changed),
         "tone": bpy.props.FloatVectorProperty(name="Tone", description="A white surface at this level", size=3,
@@ -185,6 +199,8 @@ def _style_renamed(style, _context):
 @functools.cache  # 3.4 never lets go of a class that was registered: the same ones, then, each time
 def _classes():
     """{owner: its class}, and what these are made of before them, in the order in which they register."""
+    from . import front  # which reads and sets what is defined here
+
     params = library.params().values()
     style = _class("EncreStyle", {
         "name": bpy.props.StringProperty(name="Name", default="Style", update=_style_renamed),
@@ -198,10 +214,15 @@ def _classes():
         "active_style": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
         **pens.definitions(_changed),
         **_lists(),
+        **front.definitions(),
         "ink_early": bpy.props.BoolProperty(
             name="Ink While Rendering", default=True, update=_changed, **OURS,
             description="In a window, show the picture inked as it grows, of one sample that is rendered ahead and "
                         "more of them every few seconds"),
+        "samples": bpy.props.IntProperty(
+            name="Samples", default=overrides.SAMPLES, min=0, soft_max=256, update=_changed, **OURS,
+            description="Samples that Full takes at most for each pixel: flat light and lines need few. Cycles' own "
+            "number counts where it is lower. 0: as many as in Cycles' settings"),
         "keep_layers": bpy.props.BoolProperty(
             name="Keep Layers", default=True, update=_keep, **OURS,
             description="Keep what F12 has rendered in memory, so that settings are drawn anew without rendering"),
@@ -246,10 +267,10 @@ def _view_class():
         "show": bpy.props.EnumProperty(name="Show", description="What the view shows", update=redraw, items=[
             ("FINAL", "Final", "The finished picture"),
             ("INK", "Ink", "The lines alone, on white"),
-            ("EDGES", "Sources", "The lines that each source of edges draws alone, in its colour"),
+            ("EDGES", "Sources", "The lines that each source of edges draws alone, in its color"),
             ("LEVELS", "Levels", "The levels of light, on white surfaces"),
-            ("STYLES", "Styles", "A colour for each style, grey for the scene's own"),
-            ("CONTROL", "Control", "A control: red where it is most, blue where least, grey where neutral")], **OURS),
+            ("STYLES", "Styles", "A color for each style, gray for the scene's own"),
+            ("CONTROL", "Control", "A control: red where it is most, blue where least, gray where neutral")], **OURS),
         "look": bpy.props.EnumProperty(
             name="Look", description="By what this view draws the scene, which stays as it is: others may show it by "
             "other presets", update=redraw, items=[

@@ -27,12 +27,19 @@ _drawing = False  # whether the one that runs is
 _latest = False   # whether the one that began last is, though it may have ended
 _yields = False   # whether it is to end
 _next = None      # the window and properties of the user's render that begins then
+_begun = 0.0      # when the user's render began
+_took = {}        # seconds, by the scene's name
 _opened = 0.0     # when the Render menu was opened
 
 
 def picture(scene):
     """The memory.Picture that the render which runs draws again of a scene; None: it is to be rendered."""
     return memory.picture(scene) if _drawing else None
+
+
+def seconds(scene):
+    """How long the last render of a scene took that was no redraw, None: there was none."""
+    return _took.get(scene.name)
 
 
 def gives_way():
@@ -178,12 +185,18 @@ def _menu_opens(_menu, _context):
 
 @persistent
 def _begins(*_):
-    global _asked, _drawing, _latest, _opened
-    _opened = 0.0
+    global _asked, _drawing, _latest, _opened, _begun
+    _opened, _begun = 0.0, time.monotonic()
     _drawing, _asked = _asked, False
     _latest = _drawing
     if not _drawing:
         memory.forget()
+
+
+@persistent
+def _done(scene, *_):
+    if not _drawing:
+        _took[scene.name] = time.monotonic() - _begun
 
 
 @persistent
@@ -258,8 +271,9 @@ def _render_by(context, event):
     return None
 
 
-_listen, _hear_no_more = handlers.pair(("render_init", _begins), ("render_complete", _ends), ("render_cancel", _ends),
-                                       ("load_pre", _loads), ("save_pre", _saves), ("depsgraph_update_post", _changed))
+_listen, _hear_no_more = handlers.pair(("render_init", _begins), ("render_complete", _done), ("render_complete", _ends),
+                                       ("render_cancel", _ends), ("load_pre", _loads), ("save_pre", _saves),
+                                       ("depsgraph_update_post", _changed))
 _CLASSES = ENCRE_OT_redraw, ENCRE_OT_give_way
 
 

@@ -59,6 +59,8 @@ def shrink(pixels, side):
 
 def icon(path):
     """The icon of a picture, 0 if there is none."""
+    if not path:
+        return 0
     try:
         key = f"{path} {path.stat().st_mtime_ns}"  # another picture may have taken its place
     except OSError:

@@ -8,7 +8,7 @@ from . import trees
 
 _THINGS = {"POINTCLOUD": "a point cloud", "VOLUME": "a volume"}
 BEHIND = "what is behind it"  # of what light goes through
-_CURE = "choose Cycles for Layers to see them"
+_CURE = "choose Full for Render to see them"
 # Inputs of shaders, and of a material's output.
 _TURNED = ("Normal", "Coat Normal", "Clearcoat Normal")
 _OUTPUTS = {"Displacement": "its displacement", "Volume": "its volume"}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader nodes that mix colours and numbers, normal maps and bumps -> operations, a part of nodes.Compiler."""
+"""Shader nodes that mix colors and numbers, normal maps and bumps -> operations, a part of nodes.Compiler."""
 
 import functools
 

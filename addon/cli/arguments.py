@@ -177,7 +177,12 @@ def _scenes():
     command.add_argument("--view-layer", metavar="NAME", help="render only this one")
     command.add_argument("--passes", metavar="LIST", type=_passes, default=[], help=(
         "in an .exr also what is drawn: lines, surface, edges, light, or all (default: as the view layers have it)"))
-    command.add_argument("--samples", metavar="N", type=_count, help="samples a pixel")
+    by = command.add_mutually_exclusive_group()
+    by.add_argument("--fast", dest="layer_source", action="store_const", const="ENCRE", help=(
+        "without Cycles, in seconds: no reflections, no bounced light (default: as the preset or the file has it)"))
+    by.add_argument("--full", dest="layer_source", action="store_const", const="CYCLES", help="by Cycles")
+    command.add_argument("--samples", metavar="N", type=_count, help=(
+        "samples a pixel that Cycles takes (default: those of its settings, at most 16 or as Encre's panel says)"))
     command.add_argument("--size", metavar="WxH", type=_size, help="size of the full frame in pixels")
     command.add_argument("--device", choices=("cpu", "cuda", "optix", "hip", "oneapi", "metal"),
                          type=str.lower,
@@ -307,7 +312,7 @@ def parser():
                          help="default, and 0: one a processor")
 
     command = commands.add_parser("bake", parents=[style], help="draw inter-color lines into a texture", description=(
-        "Draw lines into a texture where its colours meet, as wide as they differ. Of the parameters, line_thickness "
+        "Draw lines into a texture where its colors meet, as wide as they differ. Of the parameters, line_thickness "
         "(in texels) and those of contrast count. 8- and 16-bit images are sRGB, images of floats linear."),
         examples="""examples:
   encre bake wood.png -o wood_lines.png --uniform vase.obj
@@ -327,7 +332,7 @@ def parser():
     command.add_argument("--blender", metavar="PATH", help="the Blender program to use for FILE.blend:OBJECT")
 
     command = commands.add_parser("compare", parents=[style], help="compare baked and dynamic lines", description=(
-        "Render a scene without lines between colours, with such lines baked into its textures and with lines drawn "
+        "Render a scene without lines between colors, with such lines baked into its textures and with lines drawn "
         "in the frame, and put the three and a caption into the quadrants of one picture. OUT_crops shows details, "
         "OUT_blender Blender's own lines."))
     command.add_argument("scene", metavar="SCENE", type=_ending(".blend", ".py"), help="a .blend or .py file")

@@ -138,7 +138,7 @@ def _cure(names, like):
     if like:
         return f"; if {like} is the picture: --layer combined={like}"
     if names.keys() & {"Y", "y"}:
-        return "; Y is a picture in grey: save it with R, G and B"
+        return "; Y is a picture in gray: save it with R, G and B"
     return "; depth alone is no picture: save both in one file" if names.keys() == {"Depth"} else ""
 
 
@@ -279,6 +279,8 @@ class _Work:
                 exr.beside(path)
         self.channels, self.said, self.nonfinite = {}, {}, 0
         self.stored = metadata.read(exr.metadata)
+        if "layer_source" not in named:  # which a preset says of what is rendered
+            change = {id_: value for id_, value in change.items() if id_ != "layer_source"}
         scene = {**(self.stored.scene or {}), **change}
         if (factor := scene.pop("supersample", 1)) > 1:
             self._say("note", f"supersample {factor} needs a render: {exr.path} holds layers of the frame's size, and "

@@ -33,6 +33,8 @@ from .restyle import LEFT, check, plan, restyle, sum_up
 def _changes(args, rules=()):
     """The values that --preset and --set give: each alone is good; together they are judged over what they change."""
     values = dict(presets.find(args.preset).values) if args.preset is not None else {}
+    if by := getattr(args, "layer_source", None):
+        values["layer_source"] = by
     for text in args.sets:
         id_, equals, value = text.partition("=")
         if not equals:

@@ -148,7 +148,12 @@ def prepare(job, report):
         kind = "panoramic" if camera.data.type == "PANO" else "one of Open Shading Language"
         raise EncreError(f"{job['scene']}: camera {camera.name} is {kind}; make it perspective or orthographic")
     if job["samples"]:
-        scene.cycles.samples = job["samples"]
+        mute(scene, "cycles.samples")
+        mute(scene, "encre.samples")
+        scene.cycles.samples, scene.encre.samples = job["samples"], 0
+        if settings.fast:
+            report("note", text="--samples changes nothing here: the picture is rendered fast, without Cycles; give "
+                   "--full")
     if job["size"]:
         scene.render.resolution_x, scene.render.resolution_y = job["size"]
         scene.render.resolution_percentage = 100
@@ -160,7 +165,7 @@ def prepare(job, report):
     exr = job["ending"].lower() == ".exr"
     if not exr and settings.active and scene.view_settings.view_transform not in ("Standard", "Raw"):
         report("note", text=f"{job['scene']}: the view transform {scene.view_settings.view_transform} of scene "
-               f"{scene.name} makes white paper grey and washes out ink; choose Standard in its Color Management")
+               f"{scene.name} makes white paper gray and washes out ink; choose Standard in its Color Management")
     if hasattr(picture, "media_type"):  # Blender 5: the formats on offer depend on it
         picture.media_type = "MULTI_LAYER_IMAGE" if exr else "IMAGE"
     picture.file_format = "OPEN_EXR_MULTILAYER" if exr else "PNG"

@@ -26,12 +26,12 @@ BOXES = {
     "Normal": ("Data > Normal", "lines at creases"),
     "DiffDir": ("Light > Diffuse > Direct", "flat light, hatching and lines at shadows"),
     "DiffInd": ("Light > Diffuse > Indirect", "bounced light in levels and hatching"),
-    "DiffCol": ("Light > Diffuse > Color", "flat light, hatching and lines between colours apart from light"),
+    "DiffCol": ("Light > Diffuse > Color", "flat light, hatching and lines between colors apart from light"),
     "GlossDir": ("Light > Glossy > Direct", "highlights on flat light"),
     "GlossInd": ("Light > Glossy > Indirect", "reflections on flat light"),
-    "GlossCol": ("Light > Glossy > Color", "lines between colours of metal"),
-    "TransCol": ("Light > Transmission > Color", "lines between colours of glass"),
-    "Emit": ("Light > Other > Emission", "lines between colours of what glows"),
+    "GlossCol": ("Light > Glossy > Color", "lines between colors of metal"),
+    "TransCol": ("Light > Transmission > Color", "lines between colors of glass"),
+    "Emit": ("Light > Other > Emission", "lines between colors of what glows"),
     "IndexOB": ("Data > Indexes > Object Index, or Cryptomatte > Object", "outlines of objects"),
     "IndexMA": ("Data > Indexes > Material Index, or Cryptomatte > Material", "lines between materials"),
 }
@@ -175,11 +175,11 @@ def switch_off(names, settings):
         styles = [(name, {**values, **{id_: value for id_, value in off.items() if id_ in values}})
                   for name, values in settings.styles]
         settings = Settings({**settings.scene, **off}, styles, settings.space)
-        said.append("no diffuse light and colour: " + (
+        said.append("no diffuse light and color: " + (
             "tones follow how bright the picture is, nothing is hatched" if bare else
             "under the lines the picture stays as it is, nothing is shaded flat or hatched")
             + ", and no line follows a shadow")
-    for name, sentence in (("DiffCol", "no diffuse colour: lines between colours follow the picture's"),
+    for name, sentence in (("DiffCol", "no diffuse color: lines between colors follow the picture's"),
                            ("Depth", "no depth: no line between depths"),
                            ("Normal", "no normals: no line at creases")):
         if name not in names:

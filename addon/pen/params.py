@@ -285,7 +285,7 @@ def normal(p: Param, value: Any) -> Any:
             raise EncreError(f"{p.id}: " + unknown("value", value, p.number))
         return value
     if p.type == "color":
-        return _numbers(p, value, (3,), "a colour r, g, b")
+        return _numbers(p, value, (3,), "a color r, g, b")
     if p.type == "levels":
         if isinstance(value, str) or not isinstance(value, Sequence) or not 1 <= len(value) <= MAX_LEVELS:
             raise EncreError(f"{p.id}: {value!r} is not a list of 1 to {MAX_LEVELS} levels; "

@@ -4,9 +4,9 @@ a user's where Blender keeps its user's files.
 
 A file holds {"name", "description", "values": {id: value}}, values in the JSON form of `encre params --json`, perhaps
 "pens": {"pen_2": what it is called}, a user's also the version of the "settings", of which it has all that are a matter
-of looks; a PNG of the same name beside it is its picture. Adding a preset = adding a file. A preset sets the parameters
-that it lists and leaves all others as they are; but what any of Encre's own lists, the others set to its default, so
-that each looks the same whichever was chosen before. It is data from strangers: nothing in it is run, and it opens no
+of looks; a PNG of the same name beside it is its picture. Adding a preset = adding a file. One of Encre's own
+sets all that is a matter of looks, what it does not list to the default, so that it looks the same whatever was chosen
+before; a user's sets what its file lists. It is data from strangers: nothing in it is run, and it opens no
 other file.
 """
 
@@ -27,6 +27,7 @@ from .params import tidy
 
 FOLDER = Path(__file__).parents[1] / "presets"
 _OF_THE_JOB = "layers"  # the stage whose parameters tell what is rendered and saved: no matter of looks
+_OF_THE_PAGE = "page_height"
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def _read(path, _changed):
         values = {**settings.since(data.get("settings", settings.VERSION)), **data["values"]}
         if refused := [id_ for id_ in values if not _holds(id_)]:
             raise EncreError(f"{refused[0]}: presets hold no images")
-        set_ = {**_set_by_any(), **values} if path.parent == FOLDER else values
+        set_ = {**_looks(), **values} if path.parent == FOLDER else values
         names = _names(data.get("pens", {}))
         named = {pen.id: names.get(pen.id, "") for pen in slots.pens()
                  if any(p.id in set_ for p in pen.rows.values())}
@@ -140,10 +141,15 @@ def _names(said):
 
 
 @functools.cache
-def _set_by_any():
-    """{id: default} of all that Encre's own presets list."""
-    return {id_: library.params()[id_].default for path in sorted(FOLDER.glob("*.json"))
-            for id_ in _data(path)["values"]}
+def _looks():
+    """{id: default} of all that is a matter of looks, or that one of Encre's own lists."""
+    ids = [p.id for p in library.params().values() if _of_looks(p)]
+    ids += [id_ for path in sorted(FOLDER.glob("*.json")) for id_ in _data(path)["values"]]
+    return {id_: library.params()[id_].default for id_ in ids}
+
+
+def _of_looks(p):
+    return p.stage != _OF_THE_JOB and p.type != "image" and p.id != _OF_THE_PAGE
 
 
 def _data(path):

@@ -32,6 +32,7 @@ BEFORE: dict[int, dict[str, Any]] = {
     1: {"crease_source": "LAYERS"},
     2: {"line_depth_unit": "SCENE", "crease_angle": 20.0, "line_min_length": 0.0},
     3: {"hatch_color_light": 0.0},
+    4: {},  # Encre has a number of samples of its own (blender/migration.py)
 }
 VERSION = max(BEFORE)
 
@@ -341,7 +342,7 @@ class Settings:
             "edge_material": alike("material") and "one index everywhere",
             "edge_depth": alike("depth") and "one depth everywhere",
             "edge_normal": alike("normal") and "one normal everywhere",
-            "edge_color": alike(colors) and "one colour everywhere",
+            "edge_color": alike(colors) and "one color everywhere",
             "edge_light": alike("diffuse") and "the same light everywhere",
             "edge_seen": self.wants_seen and "seen_normal" not in pictures and "no passes that see into mirrors",
         }

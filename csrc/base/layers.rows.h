@@ -3,9 +3,9 @@
 /* What the engine does before and after the library: size, choice and cleaning of the layers. No C stage reads these;
  * lengths in PIXELS are multiplied by supersample. */
 STAGE(layers, "Layers", "What the engine renders and saves for the stages")
-ENUM(layer_source, FRAME, 0, "", "Layers", "What renders the layers on which is drawn",
-     ITEM(layer_source, CYCLES, 0, "Cycles", "Cycles: all materials and all light")
-     ITEM(layer_source, ENCRE, 1, "Encre", "Encre itself, without noise, reflections and bounced light: for animatics and flat pictures"))
+ENUM(layer_source, FRAME, 0, "", "Render", "What renders the picture that is inked",
+     ITEM(layer_source, CYCLES, 0, "Full", "Cycles renders it first: all materials and all light, with reflections and bounced light")
+     ITEM(layer_source, ENCRE, 1, "Fast", "Encre draws it by itself, in seconds and without noise; no reflections and no bounced light"))
 INT(supersample, FRAME, 1, 1, 4, 1, 4, "", "", "Supersample", "Draw at this many times the width and height, with as many rays as before, and average down: for things thinner than a pixel; memory grows by its square")
 ENUM(object_index, FRAME, 0, "", "Object Index", "What counts as an object of its own where outlines are drawn",
      ITEM(object_index, AUTO, 0, "Automatic", "A running number for every object or named line group, whatever the pass index is")
@@ -18,13 +18,13 @@ ENUM(light_denoise, FRAME, 0, "use_shading&layer_source=CYCLES", "Denoise Light"
      ITEM(light_denoise, OIDN, 0, "Open Image Denoise", "Denoise the light with the albedo and the normal as guides, where the library is there")
      ITEM(light_denoise, NONE, 1, "None", "Use the light as it was rendered"))
 ENUM(seen_denoise, FRAME, 0, "edge_detector=FINE&layer_source=CYCLES", "Denoise Mirrored", "How Monte-Carlo noise is taken out of what mirrors and clear glass show before lines are looked for in it",
-     ITEM(seen_denoise, OIDN, 0, "Open Image Denoise", "Denoise the colours and normals seen there, where the library is there")
+     ITEM(seen_denoise, OIDN, 0, "Open Image Denoise", "Denoise the colors and normals seen there, where the library is there")
      ITEM(seen_denoise, NONE, 1, "None", "Look for lines in what was rendered"))
 ENUM(save_layers, FRAME, 0, "", "Save Layers", "Write the layers that restyling a saved frame needs into the file",
      ITEM(save_layers, AUTO, 0, "Automatic", "When the output is a multilayer OpenEXR file; with encre render as Slim")
      ITEM(save_layers, ON, 1, "Always", "Always")
      ITEM(save_layers, OFF, 2, "Never", "Never")
      ITEM(save_layers, SLIM, 3, "Slim", "Always, without noisy passes that nobody reads; encre render stores nothing else and most of it as half floats"))
-ENUM(save_anchor, FRAME, 0, "", "Save Anchor", "Tell of each pixel where on the thing at rest it is, so that drawn texture sticks to surfaces",
+ENUM(save_anchor, FRAME, 0, "", "Save Rest Positions", "Store for each pixel where on the thing at rest it is, so that drawn texture sticks to surfaces",
      ITEM(save_anchor, AUTO, 0, "Automatic", "When something that is drawn sticks to surfaces")
      ITEM(save_anchor, ON, 1, "Always", "Always, so that a saved frame can be drawn again with something that sticks"))

@@ -11,7 +11,8 @@ static const float touching = 0.02f; /* of the depth, apart at most; test_fine_s
 /* ---- one site -------------------------------------------------------------------------------------------- */
 
 /* The pixel, of those that the site parts, of what the line bounds: of the nearest thing, but where two things touch of
- * the one whose line is painted more. */
+ * the one whose line is painted more, then of the one that has a style: along a foot the nearer pixel is now of one,
+ * now of the other. */
 static void owner_of(const fine *n, const found *s, int *x, int *y)
 {
 	const frame *f = n->f;
@@ -19,6 +20,7 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
 	int right = clamp_index(s->column + (crack && s->axis != AXIS_COLUMN), f->width),
 	    below = clamp_index(s->row + (crack && s->axis != AXIS_ROW), f->height);
 	float least = INFINITY, most = -1;
+	bool styled = false;
 	for (int qy = s->row; qy <= below; qy++)
 		for (int qx = s->column; qx <= right; qx++)
 			least = min(least, depth_at(f, qx, qy));
@@ -28,8 +30,11 @@ static void owner_of(const fine *n, const found *s, int *x, int *y)
 			float z = depth_at(f, qx, qy);
 			const float *controls = controls_at(f, qx, qy);
 			float painted = controls ? fabsf(controls[CONTROL_THICKNESS]) : 0;
-			if (z <= reach && (painted > most || (painted == most && z < depth_at(f, *x, *y)))) {
+			bool own = style_at(f, qx, qy) > 0, alike = painted == most && own == styled;
+			if (z <= reach && (painted > most || (painted == most && own && !styled) ||
+					   (alike && z < depth_at(f, *x, *y)))) {
 				most = painted;
+				styled = own;
 				*x = qx;
 				*y = qy;
 			}

@@ -27,7 +27,7 @@ FLOAT(pen##_strip, SURFACE, 0, 0, 1, 0, 1, "factor", PEN_RULE, "Strip", "How muc
 FLOAT(pen##_strip_length, SURFACE, 300, 1, 16384, 20, 1000, "px", PEN_RULE "&" #pen "_strip", "Strip Length", "Length of the line along which the picture lies, about, then it begins anew") \
 INT(pen##_strokes, SURFACE, 1, 1, 4, 1, 4, "", PEN_RULE, "Strokes", "How many times each line is drawn, every time with another wobble") \
 FLOAT(pen##_overshoot, SURFACE, 0, 0, 1024, 0, 60, "px", PEN_RULE, "Overshoot", "How far strokes go on beyond corners, about") \
-FLOAT(pen##_overshoot_color, SURFACE, 1, 0, 1, 0, 1, "factor", PEN_RULE "&" #pen "_overshoot", "Overshoot of Colors", "Share of it by which lines between colours and materials go on: bricks and letters bristle at 1") \
+FLOAT(pen##_overshoot_color, SURFACE, 1, 0, 1, 0, 1, "factor", PEN_RULE "&" #pen "_overshoot", "Overshoot of Colors", "Share of it by which lines between colors and materials go on: bricks and letters bristle at 1") \
 FLOAT(pen##_pool, SURFACE, 0, 0, 4, 0, 1, "factor", PEN_RULE, "Pooling", "How much wider lines are where they turn back, where ink gathers") \
 INT(pen##_seed, SURFACE, 0, 0, 2147483647, 0, 1000, "", PEN_RULE, "Seed", "Another hand") \
 INT(pen##_hold, SURFACE, 0, 0, 10000, 0, 8, "", PEN_RULE, "Hold", "Frames for which a line stays as it is drawn, then it is drawn anew: 2 is on twos; 0: lines are drawn once for all frames") \
@@ -41,7 +41,7 @@ FLOAT(pen##_width, SURFACE, 1, 0, 4096, 0, 4, "", PEN_RULE, "Width", "Its lines 
 FLOAT(pen##_taper, SURFACE, 0, 0, 4096, 0, 128, "px", PEN_RULE, "Taper", "Length over which a line thins out towards an end that meets no other line; 0: blunt ends") \
 FLOAT(pen##_softness, SURFACE, 0.9, 0, 1, 0, 1, "factor", PEN_RULE, "Softness", "Share of the half width over which a line fades; 0 is a sharp pen") \
 FLOAT(pen##_intensity, SURFACE, 1, 0, FLT_MAX, 0, 4, "", PEN_RULE, "Intensity", "Pressure of the pencil") \
-FLOAT(pen##_gain, SURFACE, 4, 0, FLT_MAX, 0, 16, "", PEN_RULE, "Gain", "Steepness from bare paper to full ink") \
+FLOAT(pen##_gain, SURFACE, 4, 0, FLT_MAX, 0, 16, "", PEN_RULE, "Steepness", "How quickly a line gets from bare paper to full ink") \
 FLOAT(pen##_paper, SURFACE, 0.6, 0, 1, 0, 1, "factor", PEN_RULE, "Paper", "How much the grain of the paper breaks the line")
 #define KIND_PEN(id, label, help) \
 ENUM(id, SURFACE, 0, PEN_RULE, label, help, \
@@ -53,12 +53,12 @@ STAGE(pen, "Pen", "The hand and the tool that draw the lines")
 PEN_ROWS(pen)
 STRIP_ROW(pen)
 FLOAT(ink_on_dark, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink on Dark", "How far lines that run through dark areas take the second ink, so that they are seen there")
-COLOR(ink_dark_color, SURFACE, 1, 1, 1, "use_lines&edge_detector=FINE&ink_on_dark", "Second Ink", "Colour of lines that run through dark areas")
+COLOR(ink_dark_color, SURFACE, 1, 1, 1, "use_lines&edge_detector=FINE&ink_on_dark", "Second Ink", "Color of lines that run through dark areas")
 FLOAT(ink_dark_threshold, SURFACE, 0.03, 0, FLT_MAX, 0, 0.5, "", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Threshold", "Pictures darker than this on both sides of a line are dark areas")
 FLOAT(ink_dark_width, SURFACE, 1, 0, 1, 0.2, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Width", "How wide lines through dark areas are, as a share of their width: what is light looks wider than what is dark")
-FLOAT(ink_dark_colors, SURFACE, 1, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Colors", "How wide, of that, lines between colours and materials are in the dark; 0: patterns are not drawn there")
+FLOAT(ink_dark_colors, SURFACE, 1, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Colors", "How wide, of that, lines between colors and materials are in the dark; 0: patterns are not drawn there")
 FLOAT(line_lit, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink in Light", "How far lines in the light take the ink of the light")
-COLOR(line_lit_color, SURFACE, 0.5, 0.25, 0.1, "use_lines&edge_detector=FINE&line_lit", "Ink of the Light", "Colour of lines in the light")
+COLOR(line_lit_color, SURFACE, 0.5, 0.25, 0.1, "use_lines&edge_detector=FINE&line_lit", "Ink of the Light", "Color of lines in the light")
 STAGE(pen_2, "Pen 2", "A second pen, for the kinds of line that name it")
 PEN_ROWS(pen_2)
 TOOL_ROWS(pen_2)
@@ -74,9 +74,9 @@ KIND_PEN(line_pen_inner, "Inner Pen", "Lines between parts of an object of which
 KIND_PEN(line_pen_crease, "Crease Pen", "Lines where a surface bends")
 KIND_PEN(line_pen_intersection, "Intersection Pen", "Lines where pieces of a mesh pass through each other")
 KIND_PEN(line_pen_material, "Material Pen", "Lines between materials")
-KIND_PEN(line_pen_color, "Color Pen", "Lines between colours")
-KIND_PEN(line_pen_light, "Light Pen", "Lines between levels of light")
-KIND_PEN(line_pen_seen, "Seen Pen", "Lines in mirrors and behind glass")
+KIND_PEN(line_pen_color, "Color Pen", "Lines between colors")
+KIND_PEN(line_pen_light, "Shadow Edge Pen", "Lines between levels of light")
+KIND_PEN(line_pen_seen, "Mirror Pen", "Lines in mirrors and behind glass")
 KIND_PEN(line_pen_suggestive, "Suggestive Pen", "Suggestive contours")
 KIND_PEN(line_pen_mark, "Mark Pen", "Lines drawn by hand")
 BOOL(line_color_by_kind, SURFACE, 0, "use_lines&edge_detector=FINE", "Color by Kind", "Each kind of line has an ink of its own")
@@ -86,8 +86,8 @@ COLOR(line_color_inner, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_col
 COLOR(line_color_crease, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Crease Ink", "Lines where a surface bends")
 COLOR(line_color_intersection, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Intersection Ink", "Lines where pieces of a mesh pass through each other")
 COLOR(line_color_material, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Material Ink", "Lines between materials")
-COLOR(line_color_color, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Color Ink", "Lines between colours")
-COLOR(line_color_light, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Light Ink", "Lines between levels of light")
-COLOR(line_color_seen, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Seen Ink", "Lines in mirrors and behind glass")
+COLOR(line_color_color, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Color Ink", "Lines between colors")
+COLOR(line_color_light, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Shadow Edge Ink", "Lines between levels of light")
+COLOR(line_color_seen, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Mirror Ink", "Lines in mirrors and behind glass")
 COLOR(line_color_suggestive, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Suggestive Ink", "Suggestive contours")
 COLOR(line_color_mark, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Mark Ink", "Lines drawn by hand")

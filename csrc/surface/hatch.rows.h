@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* clang-format off */
 STAGE(hatch, "Hatching", "Pencil rubbed into dark and shaded surfaces")
-SWITCH(use_hatching, SURFACE, 1, "", "Hatching", "Rub pencil into dark and shaded surfaces")
+SWITCH(use_hatching, SURFACE, 1, "", "Hatching", "Rub a pencil into dark and shaded surfaces, over the grain of the paper")
 FLOAT(hatch_amount, SURFACE, 0.7, 0, FLT_MAX, 0, 2, "", "use_hatching", "Amount", "Strength of the hatching where the paper is high")
-FLOAT(hatch_color_threshold, SURFACE, 0.35, 0, FLT_MAX, 0, 2, "", "use_hatching", "Color Threshold", "Surface colours darker than this are hatched; 0: none")
-FLOAT(hatch_color_light, SURFACE, 0.5, 0, 1, 0, 1, "factor", "use_hatching&hatch_color_threshold", "Light on Dark", "How far light keeps the pencil off dark colours, level by level; 0: they are black in any light, and lose their form")
+FLOAT(hatch_color_threshold, SURFACE, 0.35, 0, FLT_MAX, 0, 2, "", "use_hatching", "Color Threshold", "Surface colors darker than this are hatched; 0: none")
+FLOAT(hatch_color_light, SURFACE, 0.5, 0, 1, 0, 1, "factor", "use_hatching&hatch_color_threshold", "Light on Dark", "How far light keeps the pencil off dark colors, level by level; 0: they are black in any light, and lose their form")
 FLOAT(hatch_light_threshold, SURFACE, 0.5, 0, FLT_MAX, 0, 2, "", "use_hatching", "Light Threshold", "Light darker than this is hatched; 0: none")
-COLOR(hatch_color, SURFACE, 0, 0, 0, "use_hatching", "Color", "Colour of the pencil")
+COLOR(hatch_color, SURFACE, 0, 0, 0, "use_hatching", "Color", "Color of the pencil")

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* clang-format off */
 STAGE(paper, "Paper", "The grain under pencil lines and hatching")
-ENUM(paper_source, FRAME, 0, "", "Paper", "Where the heights of the paper come from",
+ENUM(paper_source, FRAME, 0, "", "Paper", "Paper whose grain pencil lines, hatching and washes show",
      ITEM(paper_source, PROCEDURAL, 0, "Procedural", "Built-in paper with grain and fibre")
      ITEM(paper_source, IMAGE, 1, "Image", "A height map")
      ITEM(paper_source, NONE, 2, "None", "Smooth paper"))

@@ -1,28 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* clang-format off */
 STAGE(tones, "Tones", "Dots, lines or ink that fill the levels of light")
-SWITCH(use_tones, SURFACE, 0, "", "Tones", "Fill the levels of light with dots, lines or ink")
+SWITCH(use_tones, SURFACE, 0, "", "Tones", "Fill light and shadow with screentone: dots, lines, hatching, stipple or black")
 FLOAT(tone_darkness, SURFACE, 0, -1, 1, -1, 1, "", "use_tones", "Darkness", "Added to how dark a level is, which is 1 less its intensity")
-FLOAT(tone_black, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Spotted Blacks", "Colours darker than this are in the darkest level, whatever their light")
-FLOAT(tone_dark, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Dark Colours", "Colours darker than this have the less light the nearer they are to spotted blacks; 0: all have theirs")
-FLOAT(tone_reds, SURFACE, 0, 0, 100, 0, 5, "", "use_tones&tone_dark", "Deep Colors", "How much lighter deep reds and blues may be to count as dark, as of red-brown hair, which is no darker than brown skin, and of paint: 1: twice as light; 0: no more than others")
-ENUM(tone_black_by, SURFACE, 0, "use_tones", "Blacks By", "What tells how dark a colour is",
-     ITEM(tone_black_by, VALUE, 0, "Brightest Channel", "The most of red, green and blue: deep blues are lighter than greys")
-     ITEM(tone_black_by, LUMINANCE, 1, "Luminance", "How dark the eye sees it: navy is as dark as a dark grey"))
-FLOAT(tone_local, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones", "Local Values", "How far light colours keep out of the darkest level; at 1 white does down to half of the light")
+FLOAT(tone_black, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Spotted Blacks", "Colors darker than this are in the darkest level, whatever their light")
+FLOAT(tone_dark, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Dark Colors", "Colors darker than this have the less light the nearer they are to spotted blacks; 0: all have theirs")
+FLOAT(tone_reds, SURFACE, 0, 0, 100, 0, 5, "", "use_tones&tone_dark", "Deep Reds and Blues", "How much lighter deep reds and blues may be to count as dark, as of red-brown hair, which is no darker than brown skin, and of paint: 1: twice as light; 0: no more than others")
+ENUM(tone_black_by, SURFACE, 0, "use_tones", "Blacks By", "What tells how dark a color is",
+     ITEM(tone_black_by, VALUE, 0, "Brightest Channel", "The most of red, green and blue: deep blues are lighter than grays")
+     ITEM(tone_black_by, LUMINANCE, 1, "Luminance", "How dark the eye sees it: navy is as dark as a dark gray"))
+FLOAT(tone_local, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones", "Local Values", "How far light colors keep out of the darkest level; at 1 white does down to half of the light")
 BOOL(tone_mirrors, SURFACE, 0, "use_tones", "Through Mirrors", "What mirrors and clear glass show has the tones of the things shown, and none where they show the sky")
 FLOAT(tone_sky, FRAME, 0, 0, FLT_MAX, 0, 4, "", "use_tones&tone_mirrors", "Sky", "How far the sky's own brightness counts as light: 1 is as bright as it is, more is lighter; 0: it is bare paper, by night, too")
 FLOAT(tone_detail, FRAME, 0, 0, 4096, 0, 40, "px", "use_tones", "Clear Detail", "Letters, eyes and bars whose strokes are no wider stay clear of tones, light ones and what is about dark ones; 0: tones go over all")
 FLOAT(tone_least, FRAME, 0, 0, 100, 0, 4, "", "use_tones", "Least Width", "Dots and lines that have less room, in pitches, are ink, or paper beside ink; 0: they have any")
 FLOAT(tone_hardness, SURFACE, 1, 0, 1, 0, 1, "factor", "use_tones", "Hardness", "1: dots and lines have an edge; 0: they fade over half their distance")
-BOOL(tone_crisp, SURFACE, 0, "use_tones", "Crisp", "Ink or none at every pixel, without grey edges, and dots and lines of the screen at whole pixels: for print at 600 dots an inch and more")
+BOOL(tone_crisp, SURFACE, 0, "use_tones", "Crisp", "Ink or none at every pixel, without gray edges, and dots and lines of the screen at whole pixels: for print at 600 dots an inch and more")
 ENUM(tone_strokes, SURFACE, 0, "use_tones", "Strokes", "Which way the strokes of hatching go",
      ITEM(tone_strokes, FORM, 0, "Along the Form", "Around what is round, else along planes that cut the thing")
      ITEM(tone_strokes, LIGHT, 1, "Toward the Light", "Down from where the light comes")
      ITEM(tone_strokes, UV, 2, "Along UV", "Along U of the UV map that renders use; along the form where there is none"))
-FLOAT(tone_light_turn, SURFACE, 135, -180, 180, -180, 180, "degrees", "use_tones&tone_strokes=LIGHT", "Light's Turn", "Where the light comes from, about the up axis: 0 is along X, 90 along Y")
-FLOAT(tone_light_height, SURFACE, 45, -90, 90, 0, 90, "degrees", "use_tones&tone_strokes=LIGHT", "Light's Height", "How high the light is above the ground")
-ENUM(tone_pitch_unit, FRAME, 0, "use_tones", "Pitch Unit", "What pitches are measured in",
+FLOAT(tone_light_turn, SURFACE, 135, -180, 180, -180, 180, "degrees", "use_tones&tone_strokes=LIGHT", "Light Direction", "Where the light comes from, in degrees about the up axis: 0 is along X, 90 along Y")
+FLOAT(tone_light_height, SURFACE, 45, -90, 90, 0, 90, "degrees", "use_tones&tone_strokes=LIGHT", "Light Height", "How high the light is above the ground, in degrees")
+ENUM(tone_pitch_unit, FRAME, 0, "use_tones", "Spacing Unit", "What pitches are measured in",
      ITEM(tone_pitch_unit, LENGTH, 0, "Length", "As other lengths, from dot to dot")
      ITEM(tone_pitch_unit, LPI, 1, "Lines an Inch", "Dots or lines to the inch of the printed page"))
 /* One tone for each level of light, the darkest first; the last is that of all brighter levels. tone_<n> is what it is,
@@ -39,16 +39,16 @@ ENUM(tone_##n, SURFACE, value, "use_tones", "Tone " #n, "What fills " whose, \
      ITEM(tone_##n, HATCH, 6, "Hatching", "Strokes along the form, in layers across each other as it gets darker") \
      ITEM(tone_##n, STIPPLE, 7, "Stipple", "Spots set by hand, the more the darker") \
      ITEM(tone_##n, IMAGE, 8, "Image", "A picture, laid side by side, whose dark parts are inked first") more(n)) \
-IMAGE(tone_##n##_image, SURFACE, "", "use_tones&tone_" #n "=IMAGE", "Image " #n, "Picture whose dark parts are inked first; only the order of its greys counts") \
-FLOAT(tone_##n##_pitch, SURFACE, 8, 0.02, 1000, 4, 40, "px", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE|IMAGE", "Pitch " #n, "From dot to dot or line to line, about, at least two pixels of the picture; of an image its width") \
+IMAGE(tone_##n##_image, SURFACE, "", "use_tones&tone_" #n "=IMAGE", "Image " #n, "Picture whose dark parts are inked first; only the order of its grays counts") \
+FLOAT(tone_##n##_pitch, SURFACE, 8, 0.02, 1000, 4, 40, "px", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE|IMAGE", "Spacing " #n, "Size of the screentone: from dot to dot or line to line, about, at least two pixels of the picture; of an image its width") \
 FLOAT(tone_##n##_angle, SURFACE, 45, -180, 180, 0, 90, "degrees", "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE|IMAGE", "Angle " #n, "By which rows of dots, lines and strokes are turned") \
 ENUM(tone_##n##_space, SURFACE, 0, "use_tones&tone_" #n "=DOTS|LINES|CROSS|HATCH|STIPPLE|IMAGE", "Space " #n, "What dots, lines and strokes keep to", \
      ITEM(tone_##n##_space, SCREEN, 0, "Screen", "The picture, as printed: for stills") \
      ITEM(tone_##n##_space, SURFACE, 1, "Surface", "The things: they move with them, and have the same size at any distance") \
-     ITEM(tone_##n##_space, OBJECT, 2, "Object", "The things, and grow and shrink with them as if painted on: pitches are hundredths of their unit, centimetres") \
+     ITEM(tone_##n##_space, OBJECT, 2, "Object", "The things, and grow and shrink with them as if painted on: pitches are hundredths of their unit, centimeters") \
      ITEM(tone_##n##_space, FLAT, 3, "Flat", "A sheet that stands where each thing has its origin: it goes and rolls with the thing, and is even on all of it")) \
 FLOAT(tone_##n##_gradient, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_" #n "=DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE|IMAGE", "Gradient " #n, "How far the tone gets brighter within its level, up to what the next level has") \
-COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE|IMAGE", "Color " #n, "Colour of its ink")
+COLOR(tone_##n##_color, SURFACE, 0, 0, 0, "use_tones&tone_" #n "=SOLID|DOTS|LINES|CROSS|GRAIN|HATCH|STIPPLE|IMAGE", "Color " #n, "Color of its ink")
 #define SAME(n) ITEM(tone_##n, SAME, 9, "Same", "As the level before")
 #define NONE_BEFORE(n)
 TONE(1, 2, "the darkest level of light", NONE_BEFORE)

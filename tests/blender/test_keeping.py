@@ -102,3 +102,7 @@ def test_nothing_stays_when_the_add_on_is_disabled(render):
     [left] = facts["left"]
     assert {name: what for name, what in left.items() if what and name != "every class"} == {}
     assert facts["more"] == [[]]
+
+
+def test_opening_an_inked_picture_says_that_it_is_inked_again(render):
+    assert any("inked again" in said for said in render("inked_file").facts["lacks"][0])

@@ -17,7 +17,7 @@ def test_shaders_have_the_colours_and_light_that_cycles_gives_them(render):
     ours, theirs = shot.passes("encre"), shot.passes("cycles")
     (names,) = shot.facts["names"]
     places = inside(ours["Encre Index"][..., 0])
-    assert len(places) == len(names) and "not shown" not in shot.output and "viewport colour" not in shot.output
+    assert len(places) == len(names) and "not shown" not in shot.output and "viewport color" not in shot.output
     by_column = sorted(places.values(), key=lambda where: np.nonzero(where)[1].mean())
     for name, where in zip(names, by_column, strict=True):
         for layer in ("DiffCol", "Emit", "Encre Source"):

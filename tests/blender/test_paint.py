@@ -39,7 +39,7 @@ def test_fill_where_it_is_selected_or_masked(facts):
 
 
 def test_what_can_not_be_painted_is_said(facts):
-    assert "is not a colour" in facts["numbers"] and facts["after"] == "OBJECT"
+    assert "is not a color" in facts["numbers"] and facts["after"] == "OBJECT"
     assert "has no faces" in facts["bare"]
     said, made = facts["beside bare"]
     assert "has no faces" in said and made is None

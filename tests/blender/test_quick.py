@@ -188,8 +188,8 @@ def test_what_only_cycles_can_show_is_said_in_one_line(render):
 def test_what_is_not_shown_is_said_in_two_lines(render):
     said = render("what_is_not_shown").output
     lost = "its displacement, its volume, Wavelength"
-    assert said.count(f"materials that show more in Cycles: Red ({lost}); choose Cycles for Layers to see them") == 1
-    things = re.findall("not shown, as only Cycles can show it: (.*); choose Cycles for Layers", said)
+    assert said.count(f"materials that show more in Cycles: Red ({lost}); choose Full for Render to see them") == 1
+    things = re.findall("not shown, as only Cycles can show it: (.*); choose Full for Render", said)
     assert things == ["Fog (a volume)"]
 
 

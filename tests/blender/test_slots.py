@@ -38,9 +38,9 @@ def test_kinds_of_line_offer_pens_by_name_under_their_old_identifiers_and_number
 
 def test_presets_name_the_pens_that_they_set(render):
     facts = one(render("pens_in_presets").facts)
-    assert facts["brush"] == ["Brush", "Mine", "Pen 3"]
+    assert facts["brush"] == ["Brush", "Pen 2", "Pen 3"]
     assert facts["file"] == {"pen": "Brush", "pen_2": "Mine"}
-    assert facts["ink only"] == ["Pen", "Other", "Dots"], "Encre's own presets leave the second pen as it is"
+    assert facts["ink only"] == ["Pen", "Pen 2", "Dots"], "one of Encre's own sets all pens"
     assert facts["named"] == facts["swapped"] == facts["pasted"] == ["Brush", "Mine", "Pen 3"]
     assert facts["each other's"] == facts["pasted again"] == ["Pen 2", "Pen", "Pen 3"]
 
@@ -51,3 +51,33 @@ def test_a_slot_takes_all_that_another_has(render):
     assert facts["first pen"] == [0.125, 7, 60], "and has no width beside that of lines"
     assert facts["tone"] == ["IMAGE", 150, True]
     assert "pen_4: unknown pen or tone; did you mean" in facts["unknown"] and "Traceback" not in facts["unknown"]
+
+
+@pytest.fixture(scope="module")
+def front(render):
+    return render("front").facts
+
+
+def test_a_look_sets_the_front_and_all_that_it_is_about(front):
+    (pencil, manga, water) = front["look"]
+    assert [look[:4] for look in (pencil, manga, water)] == [
+        ["pencil", "pencil", "ENCRE", False], ["manga", "manga", "ENCRE", False],
+        ["water_memory", "water_memory", "CYCLES", False]], "the rim light of before is gone"
+    assert manga[4] == [0.5, 0.3, 0.5, "3", 0.0, "DOTS", "ALL", "MEDIUM"]
+    assert water[4][:4] == [0.5, 0.0, 1.0, "3"] and water[4][5] == "PENCIL"
+    names = ["outlines", "contacts", "inner", "creases", "intersections", "folds", "materials", "colors", "shadows",
+             "mirrors", "marks"]
+    shadows = names.index("shadows")
+    assert pencil[5][shadows] and not manga[5][shadows] and all(manga[5][names.index(n)] for n in ("inner", "folds"))
+
+
+def test_the_front_sets_what_it_shows_and_goes_back(front):
+    assert all(was != now for _, was, now in front["toggled"]) and len(front["toggled"]) == 11
+    assert all(abs(share - now) < 0.02 for _, share, now in front["share"])
+    assert front["changed by going there and back"] == [[]]
+    assert [[count, len(levels)] for count, levels in front["steps"]] == [["1", 1], ["2", 2], ["3", 3], ["4", 4]]
+    assert [level[0] for level in front["steps"][3][1]] == sorted(level[0] for level in front["steps"][3][1])
+    assert front["edge"][0][0] == pytest.approx(0.5) and front["edge"][0][1][1:] == [0.075] * 3
+    assert [set_ for set_, *_ in front["fill"]] == [now for _, now, *_ in front["fill"]]
+    assert front["dots"] == [["DOTS", 0.5]], "dots are seen at once"
+    assert all(set_ == now for set_, now, *_ in front["side"] + front["paper"])

@@ -39,7 +39,7 @@ def test_rows_of_nodes_without_end_are_left_out(render):
         where = (index == number) & inside(index)
         np.testing.assert_allclose(ours["DiffCol"][where], np.tile(color, (where.sum(), 1)), atol=1e-5)
     words = "more nodes than there is room for"
-    assert f"in their viewport colour, as only Cycles can show them: Red ({words}), Grey ({words})" in shot.output
+    assert f"in their viewport color, as only Cycles can show them: Red ({words}), Grey ({words})" in shot.output
     assert f"materials that show more in Cycles: Green ({words});" in shot.output
 
 

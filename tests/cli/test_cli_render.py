@@ -153,7 +153,7 @@ def test_stereo(tmp_path):
 
 def test_settings_reach_the_engine(cube, tmp_path):
     first, second = tmp_path / "a.exr", tmp_path / "b.exr"
-    works(encre("render", cube, "-o", first, ALL, "--preset", "Ink only", "--set", "line_color=1,0,0",
+    works(encre("render", cube, "-o", first, ALL, "--preset", "Ink only", "--full", "--set", "line_color=1,0,0",
                 "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0", "--set", "light_source=CYCLES", "--samples", "3"))
     settings = metadata.read(exr.metadata(first))
     assert settings.scene["line_color"] == (1, 0, 0) and settings.scene["surface"] == "PAPER"

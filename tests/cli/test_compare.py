@@ -149,7 +149,7 @@ def test_mips_and_uniform(stripes, tmp_path):
 
 
 @pytest.mark.parametrize(("options", "words"), [
-    (["--set", "line_thickness=3"], ["no lines between colours", "--preset inter_color"]),
+    (["--set", "line_thickness=3"], ["no lines between colors", "--preset inter_color"]),
     (["--preset", "inter_color", "--set", "line_depth_distance=0"], ["line_depth_distance"]),
     (["--preset", "inter_color", "-f", "1", "-s", "2"], ["-f", "-s"]),
     (["--seed", "first"], ["first"]),

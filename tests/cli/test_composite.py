@@ -87,7 +87,7 @@ def test_composite_changes_the_scenes_settings_and_no_styles(run, tmp_path, fram
                          "--set", "light_source=CYCLES", "--set", "line_thickness=40",
                          "--set", "shade_levels=0.2; 0.7,0.3,0.1; 1,0.6,0.1,1,0.5,0")
     assert status == 0 and err.count("\n") == 2
-    assert "rest positions" in err and "edge_color (one colour everywhere)" in err
+    assert "rest positions" in err and "edge_color (one color everywhere)" in err
     settings = {**presets.find("ink_only").values, "line_thickness": 40,
                 "shade_levels": [(0.2,), (0.7, 0.3, 0.1), (1, 0.6, 0.1, 1, 0.5, 0)]}
     again = expected(pictures, settings, [STYLES[0][1]], camera, frame)["Combined"]

@@ -22,7 +22,7 @@ def test_composite_needs_only_combined(run, tmp_path, scene, data):
     path = exr.write(tmp_path / "in.exr", {"Depth": scene["depth"]})
     fails(run("composite", path, "-o", tmp_path / "x.exr"), "Combined", "in.exr")
     for name, words in (("Depth", "no depth"), ("Normal", "no normals"), ("DiffDir", "no diffuse light"),
-                        ("DiffCol", "no diffuse colour")):
+                        ("DiffCol", "no diffuse color")):
         pictures = exr.passes(scene)
         del pictures[name]
         path = exr.write(tmp_path / "in.exr", pictures)
@@ -34,7 +34,7 @@ def test_composite_needs_only_combined(run, tmp_path, scene, data):
     assert 0.002 < (lines[0] > 0.5).mean() < 0.3
 
 
-@pytest.mark.parametrize(("channel", "words"), [("Y", "Y is a picture in grey: save it with R, G and B"),
+@pytest.mark.parametrize(("channel", "words"), [("Y", "Y is a picture in gray: save it with R, G and B"),
                                                 ("Z", "depth alone is no picture: save both in one file")])
 def test_a_file_without_a_picture_is_told_what_to_save(run, tmp_path, channel, words):
     path = tmp_path / "in.exr"

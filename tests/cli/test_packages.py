@@ -121,11 +121,11 @@ def test_pip_installs_what_renders(tmp_path, dist, kind):
     assert where.startswith(str(tmp_path / "env"))
 
 
-def extension(wheel, folder):
+def extension(wheel, folder, kind="extension"):
     """The zip that Blender installs, made of the wheel by what the source holds."""
-    run(sys.executable, "setup.py", "-q", "extension", f"--wheel={wheel}", cwd=folder)
+    run(sys.executable, "setup.py", "-q", kind, f"--wheel={wheel}", cwd=folder)
     [made] = (folder / "build").glob("*.zip")
-    return made.rename(wheel.with_suffix(".zip"))
+    return made.rename(wheel.with_suffix(f".{kind}.zip"))
 
 
 def rewritten(wheel, to, members):
@@ -266,11 +266,17 @@ def test_of_two_add_ons_the_first_stays(tmp_path):
 
 
 @pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
-def test_the_copied_folder_is_an_add_on(tmp_path):
-    copied(tmp_path, "encre")
+def test_an_old_blender_installs_the_addons_zip(tmp_path, dist, tree):
+    archive = extension(dist[1], tree, "addon")
+    with zipfile.ZipFile(archive) as held:
+        assert {name.partition("/")[0] for name in held.namelist()} == {"encre"}
+        assert {"encre/__init__.py", "encre/LICENSE", f"encre/{LIBRARY}"} <= set(held.namelist())
     out, script = tmp_path / "out.exr", tmp_path / "render.py"
-    script.write_text(SCENE + RENDER.format(out=str(out)) + END)
-    said = run("blender", "-b", "--factory-startup", "--addons", "encre", "-P", script, cwd=tmp_path,
+    install = (f"import bpy\nbpy.ops.preferences.addon_install(filepath={str(archive)!r})\n"
+               'bpy.ops.preferences.addon_enable(module="encre")\n')
+    script.write_text(install + SCENE + RENDER.format(out=str(out)) + END)
+    (tmp_path / "scripts" / "addons").mkdir(parents=True)
+    said = run("blender", "-b", "--factory-startup", "-P", script, cwd=tmp_path,
                BLENDER_USER_SCRIPTS=str(tmp_path / "scripts"))
     assert inked(out)
     assert f"FROM Encre {tmp_path / 'scripts'}" in said

@@ -2,6 +2,7 @@
 """The wheels of other platforms, built here: what can be run here draws the same bytes."""
 
 import importlib.util
+import json
 import os
 import shutil
 import subprocess
@@ -28,7 +29,7 @@ def run(*command, **options):
 
 @pytest.fixture(scope="module")
 def made():
-    """Paths of all wheels and extensions. The tool itself looks at formats, names, and the age of the Linux."""
+    """Paths of all that is downloaded. The tool itself looks at formats, names, and the age of the Linux."""
     return [ROOT / line for line in run(sys.executable, ROOT / "tools" / "wheels.py").splitlines()]
 
 
@@ -57,14 +58,18 @@ def unpacked(made, part, folder):
 
 def test_there_is_a_wheel_and_an_extension_for_every_platform(made):
     assert all(path.is_file() for path in made)
-    platforms = {path.stem.split("-", 2)[2] for path in made if path.suffix == ".zip"}
+    addons = [path for path in made if path.name.endswith("-addon.zip")]
+    extensions = [path for path in made if path.suffix == ".zip" and path not in addons]
+    platforms = {path.stem.split("-", 2)[2] for path in extensions}
     assert platforms == {"linux-x64", "linux-arm64", "macos-x64", "macos-arm64", "windows-x64"}
     wheels = [path for path in made if path.suffix == ".whl"]
-    assert len(wheels) == len(platforms)
+    assert len(wheels) == len(addons) == len(platforms)
     with zipfile.ZipFile(wheels[0]) as first:
         python = {name for name in first.namelist() if name.endswith((".py", ".json"))}
     assert "encre/cli/inside.py" in python
     for path in made:
+        if path in addons:
+            continue
         with zipfile.ZipFile(path) as held:
             names = set(held.namelist())
             if path in wheels:
@@ -72,6 +77,28 @@ def test_there_is_a_wheel_and_an_extension_for_every_platform(made):
                 continue
             assert {"__init__.py", "pen/library.py", "presets/ink_only.json"} < names
             assert f'platforms = ["{path.stem.split("-", 2)[2]}"]' in held.read("blender_manifest.toml").decode()
+
+
+def test_the_index_is_what_blender_itself_would_write(made, tmp_path):
+    """By `server-generate` of a Blender that has it, of the same files."""
+    bpy = pytest.importorskip("bpy", reason="needs Blender's Python module")
+    tool = next(Path(bpy.__file__).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"), None)
+    if not tool:
+        pytest.skip("needs Blender 4.2 or later")
+    for path in made:
+        if path.suffix == ".zip" and not path.name.endswith("-addon.zip"):
+            shutil.copy(path, tmp_path)
+    run(sys.executable, tool, "server-generate", f"--repo-dir={tmp_path}")
+
+    def read(folder):
+        index = json.loads((folder / "index.json").read_text(encoding="utf-8"))
+        return {entry["archive_url"]: entry for entry in index.pop("data")}, index
+
+    ours, blenders = read(made[0].parent), read(tmp_path)
+    assert ours == blenders and len(ours[0]) == 5
+    sums = dict(reversed(line.split("  ")) for line in
+                (made[0].parent / "SHA256SUMS").read_text(encoding="utf-8").splitlines())
+    assert set(sums) == {path.name for path in made} | {"index.json"}
 
 
 def test_linux_draws_the_same_bytes(made, goldens, tmp_path):

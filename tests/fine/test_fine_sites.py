@@ -248,6 +248,19 @@ def test_where_two_things_touch_the_line_belongs_to_the_one_painted_more(apart, 
     assert (sites["near_x"] >= 12).all() if apart < 0.02 else (sites["near_x"] <= 11).all()
 
 
+def test_the_foot_of_what_has_a_style_is_its_own_whichever_pixel_is_nearer():
+    right = np.tile(np.arange(24) >= 12, (20, 1))[..., None]
+    nearer = np.where((np.arange(20) % 3 == 0)[:, None, None], -0.01, 0.01) * right  # as faces that coincide are
+    layers = dict(combined=np.ones((20, 24, 4)), color=np.ones((20, 24, 3)), diffuse=np.ones((20, 24, 3)),
+                  object=1.0 + right, style=1.0 * right, normal=np.tile([0.0, 0, 1], (20, 24, 1)), depth=4 + nearer)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    for styled in right, ~right:
+        layers["style"] = np.ascontiguousarray(styled, np.float32)
+        sites = passes.run(layers, passes.ALL, [{"line_color": (1, 0, 0)}], camera=Camera())[1][-1].site
+        sites = sites[sites["column"] == 11]  # others part what is nearer of one thing from what is farther
+        assert len(sites) > 15 and styled[sites["near_y"], sites["near_x"], 0].all()
+
+
 def test_what_a_mirror_shows_takes_the_controls_of_its_own_pixel_however_near_it_is():
     layers, scene, _ = passes.given("mirror")
     layers = {name: a * np.float32(0.01) if name.endswith("depth") else a for name, a in layers.items()}

@@ -52,7 +52,7 @@ def test_far_things_are_drawn_lighter(name):
     assert 0.05 * near < far < 0.6 * near, (near, far)
 
 
-@pytest.mark.parametrize("name", ["Stippled", "Hatched", "Manga", "Heavy blacks", "Coloured blacks"])
+@pytest.mark.parametrize("name", ["Stippled", "Hatched", "Manga", "Heavy blacks", "Colored blacks"])
 def test_no_part_of_a_contour_is_lost(name):
     """However a hand presses: small heads lay in a light place of it, and had none."""
     wide = [drawn(name, seed, object=parted(1, 2), depth=parted(5, 9)).sum(1)[20:-20] for seed in range(10)]

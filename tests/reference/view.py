@@ -97,7 +97,8 @@ class View:
 
     def near(self, x, y, column, row, family, axis):
         """The pixel whose controls and style a site takes: the least depth of the 5×5, of the object it bounds, which
-        is the nearest of the pixels it parts, or where two touch the one whose line is painted more."""
+        is the nearest of the pixels it parts, or where two touch the one whose line is painted more,
+        then one that has a style."""
         z, (py, px) = self.layers.depth, self.pixel(x, y)
         height, width = self.shape
         crack = family in CRACKS
@@ -105,8 +106,9 @@ class View:
                   for c in range(column, min(column + 1 + (crack and axis != COLUMN), width))]
         least = min(z[p] for p in parted)
         reach = least + 0.02 * (self.layers.height if self.layers.orthographic else least)
-        painted = np.abs(self.layers.controls["thickness"])
-        bounded = min((p for p in parted if z[p] <= reach), key=lambda p: (-painted[p], z[p], p), default=parted[0])
+        painted, style = np.abs(self.layers.controls["thickness"]), self.layers.style
+        bounded = min((p for p in parted if z[p] <= reach), key=lambda p: (-painted[p], not style[p], z[p], p),
+                      default=parted[0])
         window = [(r, c) for r in range(max(0, py - 2), min(py + 3, height))
                   for c in range(max(0, px - 2), min(px + 3, width))]
         if family.startswith("seen"):  # it lies in the mirror, whatever stands before that

@@ -438,7 +438,7 @@ def test_dots_of_manga_are_thinner_than_its_inner_contours():
 
 def test_about_letters_in_coloured_blacks_their_ground_keeps_its_hue():
     """What is clear of ink in the shade was mauve, whatever it was."""
-    values = presets.find("Coloured blacks").values | dict(use_lines=False, length_unit="PIXELS")
+    values = presets.find("Colored blacks").values | dict(use_lines=False, length_unit="PIXELS")
     cream = np.float32((0.7, 0.6, 0.4))
     color, light = cream * np.ones((60, 60, 3), np.float32), np.full((60, 60, 3), 0.1, np.float32)
     color[20:40, 20:24] = 0.02

@@ -21,7 +21,7 @@ def test_pens_are_alike_and_the_firsts_tool_is_that_of_lines():
 def test_tones_are_alike():
     for n, tone in enumerate(slots.tones(), 1):
         assert tone.id == TONES[n - 1] and [tone.row_label(p) for p in tone.rows.values()] == [
-            "Tone", "Image", "Pitch", "Angle", "Space", "Gradient", "Color"]
+            "Tone", "Image", "Spacing", "Angle", "Space", "Gradient", "Color"]
 
 
 def test_rows_know_their_slot():

@@ -4,8 +4,9 @@
 In: the properties of scene, object and material (properties.py), the library's table of parameters and its stages. Out:
 what Blender's user sees in the properties editor, the sidebar and the menus. A panel computes nothing.
 
-stages makes one panel for each stage from the table by rows, which greys them out by enabled_if; so a new parameter or
-stage needs nothing here. lists shows pens and tones, scene, styles, blocks (objects, materials) and passes have the
+front is what an artist turns first; stages has the closed panels below it, where each row of the table has a place,
+with rows, which grays them out by enabled_if; so a new parameter needs nothing here. kinds is the table of kinds of
+line, lists shows pens and tones, layers what stays in memory, styles, blocks (objects, materials) and passes have the
 rest of the properties, presets and settings what is done with many at once, paint, marks and pin the tools of the
 sidebar and of Edit Mode, levels the list of light levels, meter how bright full light is, view what the 3D view shows,
 cycles Cycles' own panels, shown for Encre too.
@@ -19,6 +20,7 @@ from .. import languages, thumbnails
 from . import (
     blocks,
     cycles,
+    front,
     levels,
     lists,
     marks,
@@ -27,7 +29,6 @@ from . import (
     passes,
     pin,
     presets,
-    scene,
     settings,
     stages,
     styles,
@@ -38,7 +39,7 @@ _registered = []
 
 
 def register():
-    for cls in (*levels.CLASSES, *lists.CLASSES, *meter.CLASSES, *presets.CLASSES, *settings.CLASSES, *scene.CLASSES,
+    for cls in (*levels.CLASSES, *lists.CLASSES, *meter.CLASSES, *presets.CLASSES, *settings.CLASSES, *front.CLASSES,
                 *stages.classes(), *styles.CLASSES, *blocks.CLASSES, *passes.CLASSES, *view.CLASSES):
         bpy.utils.register_class(cls)
         _registered.append(cls)

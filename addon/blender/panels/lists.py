@@ -41,7 +41,7 @@ class ENCRE_UL_tones(bpy.types.UIList):
             swatch.ui_units_x = 0.8
             swatch.prop(scene.shade_levels[index], "tone", text="")
         named.label(text=tone_label(index + 1, properties.level_count(scene)), translate=False)
-        split.prop(scene, item.identifier, text="", emboss=False)
+        split.prop(scene, f"{item.identifier}_fill", text="", emboss=False)
 
 
 def chosen(scene, kind):
@@ -124,7 +124,9 @@ def draw_tones(layout, scene):
     """What each level of light is filled with, and how that of the chosen one looks."""
     _draw(layout, scene, "tone", min(max(properties.level_count(scene), 2), len(TONES)))
     tone = chosen(scene, "tone")
-    draw_params(layout, scene, [p for p in tone.rows.values() if _has(scene, tone, p)], "scene",
+    layout.use_property_split = True
+    layout.prop(scene, f"{tone.id}_fill", text="Tone")
+    draw_params(layout, scene, [p for what, p in tone.rows.items() if what and _has(scene, tone, p)], "scene",
                 lambda p: iface_(tone.row_label(p), CONTEXT))
 
 

@@ -7,12 +7,12 @@ from .. import lamps, meshes, meter, properties, subject
 from ..languages import iface_, n_
 
 
-def draw(layout, scene):
+def draw(layout, settings):
     """The row of the meter below the rows of shading."""
-    if scene.encre.shade_meter == "SCENE":
+    if settings.shade_meter == "SCENE":
         return
-    found = meter.found.get(scene.name_full)
-    if found and scene.encre.shade_meter == "LAMPS":
+    found = meter.found.get(settings.id_data.name_full)
+    if found and settings.shade_meter == "LAMPS":
         light = iface_(n_("Full light {:.3g}")).format(found.light)
         shade = iface_(n_(", shade {:.3g}")).format(found.shade) if found.shade else ""
         layout.label(text=light + shade, icon="LIGHT_SUN")

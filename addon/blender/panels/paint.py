@@ -64,7 +64,7 @@ class _PaintOperator:
 
 
 class ENCRE_OT_paint(_PaintOperator, bpy.types.Operator):
-    """Paint this control: white is most, black least, grey leaves things as they are. Press again to stop"""
+    """Paint this control: white is most, black least, gray leaves things as they are. Press again to stop"""
 
     bl_idname = "encre.paint"
     bl_label = "Paint Control"

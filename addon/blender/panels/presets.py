@@ -5,29 +5,11 @@ from pathlib import Path
 
 import bpy
 
-from ...pen import library, presets
+from ...pen import presets
 from ...pen.errors import EncreError
-from .. import ENGINE, pens, properties, thumbnails, versions
-from ..languages import CONTEXT, iface_, tip_
-
-
-def folder():
-    """Where the user's presets are."""
-    return Path(versions.user_folder(__package__)) / "presets"
-
-
-def current(scene):
-    """The preset that the scene had last; None: none, or it is gone."""
-    try:
-        return presets.find(scene.encre.preset, folder()) if scene.encre.preset else None
-    except EncreError:
-        return None
-
-
-def _every():
-    """(all presets, sentences about the user's files that can't be used)"""
-    mine, wrong = presets.users(folder())
-    return (*presets.presets(), *mine), wrong
+from .. import ENGINE, looks, pens, properties, thumbnails
+from ..languages import tip_
+from ..looks import current, every, folder
 
 
 class _PresetOperator:
@@ -65,18 +47,35 @@ class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
             preset = presets.find(properties_.preset, folder())
         except EncreError as error:
             return str(error)
-        labels = [iface_(library.params()[id_].label, CONTEXT) for id_ in preset.listed]
-        listed = ", ".join(labels[:40]) + (", ..." if len(labels) > 40 else "")
-        sets = tip_("Sets {}; takes back what other presets set, and leaves all else as it is").format(listed)
-        return f"{tip_(preset.description)}. {sets}"
+        return f"{tip_(preset.description)}. " + tip_("Sets all that a look is made of: lines, shade, tones, paint and "
+                                                      "paper. Your own changes to these are lost")
 
     def do(self, context):
-        preset = presets.find(self.preset, folder())
-        for id_, value in preset.values.items():
-            properties.set_value(context.scene.encre, id_, value)
-        pens.rename_all(context.scene.encre, {pen: iface_(name, CONTEXT) if preset.own and name else name
-                                              for pen, name in preset.pens.items()})
-        context.scene.encre.preset = preset.id
+        looks.apply(context.scene.encre, presets.find(self.preset, folder()))
+
+
+class ENCRE_OT_look_step(bpy.types.Operator):
+    bl_idname = "encre.look_step"
+    bl_label = "Next Look"
+    bl_options = {"REGISTER", "UNDO"}
+
+    step: bpy.props.IntProperty(default=1, options={"HIDDEN"})
+
+    @classmethod
+    def description(cls, _context, properties_):
+        return tip_("The look after this one") if properties_.step > 0 else tip_("The look before this one")
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine == ENGINE
+
+    def execute(self, context):
+        found = every()[0]
+        ids = [preset.id for preset in found]
+        now = context.scene.encre.preset
+        at = ids.index(now) + self.step if now in ids else 0
+        looks.apply(context.scene.encre, found[at % len(found)])
+        return {"FINISHED"}
 
 
 class ENCRE_OT_preset_save(_PresetOperator, bpy.types.Operator):
@@ -166,33 +165,25 @@ class ENCRE_OT_preset_export(_FileOperator, bpy.types.Operator):
         presets.copy(presets.find(self.preset, folder()), path.with_suffix(".json"))
 
 
-class ENCRE_PT_presets(bpy.types.Panel):
-    """Looks to begin with: each sets some settings and leaves the others as they are"""
+class ENCRE_MT_looks(bpy.types.Menu):
+    """Save this look, take one from a file, and what there is to do with your own"""
 
-    bl_label = "Presets"
-    bl_idname = "ENCRE_PT_presets"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "HEADER"  # no place of its own: a pop-over
-    bl_ui_units_x = 28
+    bl_label = "Looks"
 
-    def draw(self, _context):
-        layout = self.layout
-        every, wrong = _every()
-        grid = layout.grid_flow(row_major=True, columns=5, even_columns=True)
-        for preset in every:
-            column = grid.column(align=True)
-            column.template_icon(thumbnails.icon(preset.picture), scale=5.0)
-            row = column.row(align=True)
-            row.operator("encre.preset", text=preset.name, translate=False).preset = preset.id
-            if not preset.own:
-                row.operator("encre.preset_export", text="", icon="EXPORT").preset = preset.id
-                row.operator("encre.preset_remove", text="", icon="X").preset = preset.id
+    def draw(self, context):
+        layout, (found, wrong) = self.layout, every()
+        layout.operator("encre.preset_save", icon="ADD")
+        layout.operator("encre.preset_import", icon="IMPORT")
+        preset = current(context.scene)
+        if preset and not preset.own:
+            layout.operator("encre.preset_export", icon="EXPORT").preset = preset.id
+            layout.operator("encre.preset_remove", icon="X").preset = preset.id
+        layout.separator()
+        for each in found:
+            layout.operator("encre.preset", text=each.name, translate=False).preset = each.id
         for sentence in wrong:
             layout.label(text=sentence, icon="ERROR", translate=False)
-        row = layout.row()
-        row.operator("encre.preset_save", icon="ADD")
-        row.operator("encre.preset_import", icon="IMPORT")
 
 
 CLASSES = (ENCRE_OT_preset, ENCRE_OT_preset_save, ENCRE_OT_preset_remove, ENCRE_OT_preset_import,
-           ENCRE_OT_preset_export, ENCRE_PT_presets)
+           ENCRE_OT_preset_export, ENCRE_OT_look_step, ENCRE_MT_looks)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Rows of parameters, as panels of stages, lists and styles show them."""
 
+import functools
+
 from ...pen.params import terms
 from ..languages import CONTEXT, iface_
 from . import presets, settings
@@ -12,8 +14,18 @@ def enabled(group, rule):
     return all(terms(rule, lambda id_: getattr(group, id_, True)).values())
 
 
-def draw_params(layout, group, params, path, label=lambda p: iface_(p.label, CONTEXT)):
+def labelled(group, p):
+    """What a row is called, with the unit of its number."""
+    words = iface_(p.label, CONTEXT)
+    if p.unit == "px":
+        settings = group.id_data.encre
+        return f"{words} mm" if settings.length_unit == "MM" else f"{words} px"
+    return f"{words} °" if p.unit in ("angle", "degrees") else words
+
+
+def draw_params(layout, group, params, path, label=None):
     """A row for each parameter; label(p): what it is called there, in the language that Blender speaks."""
+    label = label or functools.partial(labelled, group)
     layout.use_property_split = True
     layout.use_property_decorate = path != "style"
     preset = presets.current(group.id_data)

@@ -1,52 +1,146 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One panel per stage, drawn from the parameter table; rows of pens and tones are in lists (lists.py)."""
+"""The closed panels below the front: every row of the parameter table has a place in one of them.
+
+A panel shows its first rows, and what is turned less often in folds below. Rows that no panel names, as new ones, are
+in the fold "More" of the panel that has their stage. Rows of pens and tones are in lists (lists.py).
+"""
 
 import functools
+from dataclasses import dataclass
 
 import bpy
 
 from ...pen import library, slots
 from ..languages import n_
-from . import lists, meter
+from . import kinds, layers, lists, meter
 from .base import EncrePanel
 from .rows import draw_params
 
-# Stages that have a list, and the panel below it of the rows that are no slot's.
-_LISTS = {"pen": (lists.draw_pens, n_("Ink by Light")), "tones": (lists.draw_tones, n_("All Tones"))}
+
+@dataclass(frozen=True)
+class Fold:
+    """`rows`: ids; `stage`: also all rows of this stage that nobody names, whose switch is then the check box."""
+
+    id: str
+    label: str
+    rows: tuple[str, ...] = ()
+    stage: str = ""
+    draw: object = None  # what else draws, after the rows
 
 
-def _panel(id_, parent, label, help_, draw, more=None):
+@dataclass(frozen=True)
+class Group:
+    """A panel; `stages`: those whose rows that nobody names are in its fold "More"."""
+
+    id: str
+    label: str
+    stages: tuple[str, ...]
+    rows: tuple[str, ...] = ()
+    folds: tuple[Fold, ...] = ()
+    switch: str = ""
+    draw: object = None  # what else draws, after the rows
+
+
+def _rim_lamp(layout, scene):
+    layout.prop(scene, "rim_lamp")
+
+
+GROUPS = (
+    Group("lines", n_("Lines"), ("edges", "lines", "kinds"),
+          ("line_thickness", "length_unit", "page_height", "line_color", "crease_angle", "crease_smooth"), (
+              Fold("strength", n_("Strength of Lines"), (
+                  "edge_object", "edge_depth", "edge_normal", "edge_bump", "edge_material", "edge_color", "edge_light",
+                  "edge_suggestive", "edge_seen", "edge_mark")),
+              Fold("small", n_("Small and Crowded Lines"), (
+                  "line_min_length", "color_length", "light_length", "seen_length", "suggestive_length",
+                  "suggestive_scale", "line_density", "line_fewer")),
+              Fold("far", n_("Near and Far"), (
+                  "line_depth_distance", "line_depth_unit", "line_depth_most", "line_depth_least",
+                  "line_max_thickness")),
+              Fold("ink", n_("Ink by Light"), (
+                  "line_light", "line_tint", "line_tint_value", "ink_on_dark", "ink_dark_color", "ink_dark_threshold",
+                  "ink_dark_width", "ink_dark_colors", "line_lit", "line_lit_color", "surface_fade"))),
+          "use_lines", kinds.draw),
+    Group("pens", n_("Pens"), ("pen", "pen_2", "pen_3"), draw=lists.draw_pens),
+    Group("shade", n_("Shade and Light"), ("shade",),
+          ("shade_levels", "shade_tint", "shade_tint_weight", "shade_saturation", "shade_strength", "shade_exposure",
+           "shade_meter", "meter_light", "meter_shade"), (
+              Fold("rim", n_("Rim Light"), stage="rim", draw=_rim_lamp),
+              Fold("highlights", n_("Highlights and Reflections"), (
+                  "other_light", "other_background", "other_highlights", "highlight_shape", "highlight_threshold",
+                  "highlight_transition", "highlight_color", "other_reflections", "reflection_tones", "other_glow"))),
+          "use_shading", meter.draw),
+    Group("tones", n_("Tones (Screentone)"), (), (), (
+        Fold("all_tones", n_("All Tones"), stage="tones"), Fold("specks", n_("Fill Specks"), stage="specks")),
+        "use_tones", lists.draw_tones),
+    Group("colors", n_("Color and Paint"), (), ("surface", "paper_color"), (
+        Fold("example", n_("By Example"), stage="example"), Fold("wash", n_("Wash"), stage="wash"),
+        Fold("smudge", n_("Smudging"), stage="smudge"))),
+    Group("paper", n_("Paper"), ("paper",), (
+        "paper_source", "paper_image", "paper_scale", "paper_roughness", "paper_seed"), (
+        Fold("hatch", n_("Pencil Hatching"), stage="hatch"),)),
+    Group("layers", n_("Layers and Quality"), ("layers",),
+          ("layer_source", "light_source", "supersample", "world_shadows"), draw=layers.draw),
+    Group("detectors", n_("Detectors of the Theses"), (), (
+        "edge_detector", "edge_threshold", "edge_sigma", "depth_space", "depth_near", "depth_far",
+        "sobel_shape_threshold", "color_layer", "color_detector", "contrast_metric", "contrast_threshold",
+        "contrast_max", "contrast_auto", "contrast_window", "line_search", "line_occlude", "crease_source")),
+)
+# What is drawn by other means than a row: the switches, which are check boxes, and what kinds.draw() shows.
+_ELSEWHERE = {*kinds.IDS}
+
+
+def _panel(id_, parent, label, draw, switch=""):
+    def draw_header(self, context):
+        self.layout.prop(context.scene.encre, switch, text="")
+
     members = {"bl_label": label, "bl_idname": f"ENCRE_PT_{id_}", "bl_options": {"DEFAULT_CLOSED"},
-               "bl_parent_id": f"ENCRE_PT_{parent}", "draw": draw, "__doc__": help_, **(more or {})}
+               "bl_parent_id": f"ENCRE_PT_{parent}", "draw": draw, **({"draw_header": draw_header} if switch else {})}
     return type(f"ENCRE_PT_{id_}", (EncrePanel, bpy.types.Panel), members)
 
 
-def _stage_panels(stage):
-    """The panel classes of one stage; the stage's switch is the panel's check box."""
-    switch = stage.switch
-    rest = tuple(p for p in stage.params if p is not switch and not slots.of(p.id))
+def _drawing(rows, more=None):
+    def draw(self, context):
+        draw_params(self.layout, context.scene.encre, rows, "scene")
+        if more:
+            more(self.layout, context.scene.encre)
 
-    def draw_rest(self, context):
-        draw_params(self.layout, context.scene.encre, rest, "scene")
-        if stage.id == "rim":
-            self.layout.prop(context.scene.encre, "rim_lamp")
-        if stage.id == "shade":
-            meter.draw(self.layout, context.scene)
+    return draw
 
-    def draw_list(self, context):
-        _LISTS[stage.id][0](self.layout, context.scene.encre)
 
-    def draw_header(self, context):
-        self.layout.prop(context.scene.encre, switch.id, text="")
+@functools.cache
+def places():
+    """{id of a panel: the rows that it shows}, of every panel below the front."""
+    params = library.params()
+    named = {id_ for group in GROUPS for id_ in (*group.rows, *(row for fold in group.folds for row in fold.rows))}
+    found = {}
+    for group in GROUPS:
+        found[group.id] = [params[id_] for id_ in group.rows]
+        taken = {fold.stage for fold in group.folds}
+        for fold in group.folds:
+            found[fold.id] = [params[id_] for id_ in fold.rows] + _left(fold.stage, named)
+        more = [p for stage in group.stages if stage not in taken for p in _left(stage, named)]
+        if more:
+            found[f"{group.id}_more"] = more
+    return found
 
-    header = {"draw_header": draw_header} if switch else {}
-    if stage.id not in _LISTS:
-        return [_panel(stage.id, "encre", stage.label, stage.help, draw_rest, header)] if rest else []
-    return [_panel(stage.id, "encre", stage.label, stage.help, draw_list, header),
-            _panel(f"{stage.id}_rest", stage.id, _LISTS[stage.id][1], stage.help, draw_rest)]
+
+def _left(stage, named):
+    """Rows of a stage that no panel names."""
+    return [p for one in library.stages() if one.id == stage for p in one.params
+            if p.id not in named and not p.switch and not slots.of(p.id) and p.id not in _ELSEWHERE]
 
 
 @functools.cache
 def classes():
-    """The panel classes of all stages, in the order in which they are shown."""
-    return [panel for stage in library.stages() for panel in _stage_panels(stage)]
+    """The panel classes, in the order in which they are shown."""
+    switches, made = {stage.id: stage.switch for stage in library.stages()}, []
+    for group in GROUPS:
+        made.append(_panel(group.id, "encre", group.label, _drawing(places()[group.id], group.draw), group.switch))
+        for fold in group.folds:
+            switch = switches.get(fold.stage)
+            switch = switch.id if switch and switch.id != group.switch else ""
+            made.append(_panel(fold.id, group.id, fold.label, _drawing(places()[fold.id], fold.draw), switch))
+        if more := places().get(f"{group.id}_more"):
+            made.append(_panel(f"{group.id}_more", group.id, n_("More"), _drawing(more)))
+    return made

@@ -57,7 +57,7 @@ class ENCRE_OT_study(bpy.types.Operator):
     directory: bpy.props.StringProperty(name="Folder", subtype="DIR_PATH", default="//study/",
                                         options=versions.BLEND_RELATIVE, description="Where a file of each person goes")
     left: bpy.props.StringProperty(name="One Look", default="dynamic", description=(
-        "dynamic: the scene as it is; baked: lines between colours in the textures; plain; or a preset"))
+        "dynamic: the scene as it is; baked: lines between colors in the textures; plain; or a preset"))
     right: bpy.props.StringProperty(name="Other Look", default="baked", description=(
         "As the first. Which one stands on which side is drawn at random for each person"))
     slider: bpy.props.BoolProperty(name="Thickness Slider", description="Let people change how thick all lines are")

@@ -86,7 +86,7 @@ def _rules(scene):
 
 def _blots(scene):
     """What the panel says of lines in pixels, in frames of three sizes."""
-    from encre.blender.panels import scene as panel
+    from encre.blender.panels import front as panel
 
     settings, render = scene.encre, scene.render
     settings.length_unit, settings.line_thickness = "PIXELS", 22

@@ -25,7 +25,7 @@ def build():
     bpy.context.preferences.view.render_display_type = "AREA"
     scene.render.engine = "ENCRE"
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 100000
-    scene.cycles.use_adaptive_sampling = False
+    scene.cycles.use_adaptive_sampling, scene.encre.samples = False, 0
     scene.render.image_settings.file_format = "PNG"
     scene.encre.line_thickness, scene.encre.ink_early = 40, False
     scene.encre.light_source = "DRAWN"

@@ -57,7 +57,7 @@ def opened(out):
         settings = bpy.context.scene.encre
         fact(name, [settings.version, settings.crease_source, settings.line_depth_unit, settings.crease_angle,
                     settings.line_min_length, round(settings.line_thickness, 3),
-                    bpy.context.view_layer.encre.use_pass_lines])
+                    bpy.context.view_layer.encre.use_pass_lines, settings.samples])
 
 
 def _value(own, number):
@@ -72,7 +72,7 @@ def presets(out):
     from encre.blender.panels import presets as panel
 
     def listed():
-        every, wrong = panel._every()
+        every, wrong = panel.every()
         return [[[preset.id, preset.own, preset.picture.is_file()] for preset in every], wrong]
 
     def call(operator, **more):
@@ -235,3 +235,15 @@ def _below(cls):
     for sub in cls.__subclasses__():
         yield sub
         yield from _below(sub)
+
+
+def inked_file(out):
+    """Layers of a file that holds no picture without ink, as the image editor saves them."""
+    from encre.blender import memory, opened
+
+    scene = stage(16, 16, 1)
+    scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "OFF"
+    fact("shot", shoot(out, "inked"))
+    name = next(name for name in sorted(os.listdir(out)) if name.startswith("inked"))
+    fact("lacks", opened.load(scene, os.path.join(out, name)))
+    memory.forget()

@@ -35,7 +35,7 @@ def _stage(samples):
     scene = bpy.context.scene
     scene.render.engine = "ENCRE"
     scene.render.resolution_x, scene.render.resolution_y = 112, 64
-    scene.cycles.samples, scene.cycles.seed = samples, 1
+    scene.cycles.samples, scene.cycles.seed, scene.encre.samples = samples, 1, 0
     scene.cycles.use_adaptive_sampling = scene.cycles.use_denoising = False
     scene.cycles.max_bounces, scene.cycles.filter_width = 0, 0.01
     scene.cycles.pixel_filter_type = "BOX"

@@ -220,6 +220,8 @@ def blur(out):
     box.keyframe_insert("location", frame=1)
     bpy.context.scene.frame_set(1)
     shoot(out, "blurred")
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "fast")
     fact("kept", [scene.render.use_motion_blur, scene.camera.data.dof.use_dof])
 
 

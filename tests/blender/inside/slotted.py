@@ -55,6 +55,7 @@ def pens_in_presets(_out):
     scene.encre.pen_2_called = "Mine"
     bpy.ops.encre.preset(preset="brush_ink")
     fact("brush", _pens(scene)[0])
+    scene.encre.pen_2_called = "Mine"
     bpy.ops.encre.preset_save(name="Named", description="")
     fact("file", json.loads((presets.folder() / "named.json").read_text(encoding="utf-8"))["pens"])
     scene.encre.pen_2_called = "Other"
@@ -98,3 +99,60 @@ def slots(_out):
         bpy.ops.encre.slot_copy(source="pen_4")
     except RuntimeError as error:  # as Blender raises what an operator reports
         fact("unknown", str(error))
+
+
+def front(_out):
+    """What the front panel says of several parameters: as looks set it, and as it is set."""
+    from encre.blender import front as own
+    from encre.pen import presets
+
+    scene = stage(16, 16, 1)
+    settings, said = scene.encre, ("small_lines", "hand", "far_lines", "shade_steps", "shade_edge", "fill", "rim_side",
+                                   "paper")
+    toggles = [f"draw_{name}" for name in own.TOGGLES]
+
+    def now():
+        return [getattr(settings, name) for name in said]
+
+    settings.use_rim = True
+    for look in ("pencil", "manga", "water_memory"):
+        settings.look = look
+        fact("look", [look, settings.preset, settings.layer_source, settings.use_rim,
+                      [round(x, 3) if isinstance(x, float) else x for x in now()],
+                      [getattr(settings, name) for name in toggles]])
+    settings.look = "manga"
+    values = {id_: getattr(settings, id_) for id_ in presets.find("manga").listed if id_ != "shade_levels"}
+    for name in toggles:
+        was = getattr(settings, name)
+        setattr(settings, name, not was)
+        fact("toggled", [name, was, getattr(settings, name)])
+        setattr(settings, name, was)
+    for name in ("small_lines", "hand", "far_lines"):
+        was = getattr(settings, name)
+        for share in (0.0, 0.25, 1.0):
+            setattr(settings, name, share)
+            fact("share", [name, share, getattr(settings, name)])
+        setattr(settings, name, was)
+    kept = {id_: getattr(settings, id_) for id_ in values}
+    fact("changed by going there and back", [id_ for id_ in values if values[id_] != kept[id_]
+                                             and not (isinstance(kept[id_], float)
+                                                      and abs(kept[id_] - values[id_]) < 1e-3 * abs(kept[id_]))])
+    for count in "1234":
+        settings.shade_steps = count
+        fact("steps", [settings.shade_steps, [[round(x, 3) for x in (level.intensity, level.threshold)]
+                                              for level in settings.shade_levels]])
+    settings.shade_edge = 0.5
+    fact("edge", [settings.shade_edge, [round(level.transition, 3) for level in settings.shade_levels]])
+    settings.shade_steps = "2"
+    for name, *_ in own.FILLS:
+        settings.fill = name
+        fact("fill", [name, settings.fill, settings.use_tones, settings.tone_1, settings.tone_2])
+    settings.tone_1_fill, settings.shade_levels[0].intensity = "SOLID", 0.0
+    settings.tone_1_fill = "DOTS"
+    fact("dots", [settings.tone_1, settings.shade_levels[0].intensity])
+    for side in (*own.SIDES, "WORLD"):
+        settings.rim_side = side
+        fact("side", [side, settings.rim_side, settings.rim_spread, settings.rim_angle])
+    for paper in (*own.PAPERS, "IMAGE"):
+        settings.paper = paper
+        fact("paper", [paper, settings.paper])

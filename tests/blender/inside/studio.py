@@ -78,6 +78,7 @@ def stage(width=WIDTH, height=HEIGHT, samples=2, engine="ENCRE", ground=True):
     scene.render.engine = engine
     scene.render.resolution_x, scene.render.resolution_y = width, height
     scene.cycles.samples = samples
+    scene.encre.samples = 0  # Cycles' number counts
     scene.cycles.seed = 1
     scene.cycles.use_denoising = False
     passes_on(scene.view_layers[0])

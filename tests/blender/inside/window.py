@@ -90,6 +90,12 @@ def choose():
 def panels():
     with override("PROPERTIES"):
         ours = {name: getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("ENCRE_PT_")}
+        from encre.blender.panels import kinds, stages
+        from encre.pen import library, slots
+        placed = {p.id for rows in stages.places().values() for p in rows}
+        studio.fact("nowhere", [p.id for p in library.params().values() if p.id not in placed | kinds.IDS
+                                and not p.switch and not slots.of(p.id)])
+        studio.fact("twice", len([p for rows in stages.places().values() for p in rows]) - len(placed))
         studio.fact("panels", [name for name, panel in ours.items()
                               if getattr(panel, "bl_context", "") == "render" and panel.poll(bpy.context)])
         every = [p for p in cases_panels() if "CYCLES" in getattr(p, "COMPAT_ENGINES", ())]
@@ -151,11 +157,11 @@ def tabs():
 
 
 def presets():
-    """The pop-over of presets, and the rows that differ from the one that was applied."""
+    """The menu of looks, and the rows that differ from the one that was applied."""
     with override("PROPERTIES"):
         bpy.ops.encre.preset_save(name="Mine", description="From the window")
         bpy.context.scene.encre.line_thickness = 20
-        bpy.ops.wm.call_panel(name="ENCRE_PT_presets")
+        bpy.ops.wm.call_menu(name="ENCRE_MT_looks")
     yield
     yield
     screenshot("presets")
@@ -170,7 +176,7 @@ def lists():
     for name, rows in drawn.items():
         kind = getattr(bpy.types, f"ENCRE_UL_{name}")
         kind.draw_item = _noting(kind.draw_item, rows)
-    for panel in ("pen", "tones", "kinds"):
+    for panel in ("pens", "tones", "lines", "layers", "detectors"):
         with override("PROPERTIES"):
             bpy.ops.wm.call_panel(name=f"ENCRE_PT_{panel}")
         yield
@@ -213,7 +219,7 @@ def languages():
         studio.fact("language", [language, translations.pgettext_iface("Hatching", "Encre"),
                                  translations.pgettext_iface("Lines", "Encre"),
                                  translations.pgettext_iface("Add Style", "Operator"),
-                                 translations.pgettext_tip("Colour of the ink")])
+                                 translations.pgettext_tip("Color of the ink")])
 
 
 def edit_mode():
