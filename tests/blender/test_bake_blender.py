@@ -39,7 +39,7 @@ def test_operators(blender, tmp_path):
                        for red, linear in ((0.4, False), (0.8, True), (0.6, False)))
         assert facts[name] == pytest.approx(contrast, abs=5e-3)
     assert facts["linked"] == ["CANCELLED"] and "is shown by a linked material" in shot.output
-    for sentence, words in zip(shot.facts["refused"], ("choose another folder", "shows a colour image", "name one"),
+    for sentence, words in zip(shot.facts["refused"], ("choose another folder", "shows a color image", "name one"),
                                strict=True):
         assert words in sentence and "Traceback" not in sentence
     assert "Traceback" not in shot.output

@@ -21,7 +21,8 @@ def test_paint_makes_neutral_attributes_and_enters_vertex_paint(facts):
 
 
 def test_the_brush_adds_and_subtracts(facts):
-    assert facts["first brush"] == ["ADD", 0.5] and facts["kept strength"] == 0.75 and facts["other brush"] is None
+    assert facts["first brush"] == ["ADD", np.float32(0.15)] and facts["kept strength"] == 0.75
+    assert facts["other brush"] is None
     assert facts["brush"] == [[kind, kind, 0.25] for kind in ("ADD", "SUBTRACT", "NEUTRAL")]
 
 

@@ -272,7 +272,7 @@ def test_composite_waits_as_well(run, tmp_path, scene):
 # What --resume compares: every option of `encre render`, with a value that changes the picture, or why none does.
 CHANGES = {"preset": "ink_only", "sets": ["line_thickness=9"], "scene_name": "Other", "camera": "Other",
            "view_layer": "Other", "passes": ["Encre Lines"], "samples": 7, "size": [64, 32], "device": "cpu",
-           "enable_autoexec": True}
+           "enable_autoexec": True, "layer_source": "ENCRE"}
 ELSEWHERE = {"path_mapping": "files that a scene links are not compared, wherever they lie",
              "scene": "its content is compared", "blender": "the version that it tells is compared",
              "output": "the file itself; its kind is its name's", "frame": "each frame's number is in its mark",
@@ -288,7 +288,7 @@ def test_all_that_can_change_a_picture_is_compared(cube, monkeypatch):
     [commands] = [action for action in arguments.parser()._actions if action.dest == "command"]
     options = {action.dest for action in commands.choices["render"]._actions}
     assert options == {*CHANGES, *ELSEWHERE, *NOTHING}
-    names = {"enable_autoexec": "autoexec", "sets": "values", "preset": "values"}
+    names = {"enable_autoexec": "autoexec", "sets": "values", "preset": "values", "layer_source": "values"}
     ready = {"blender": "4.5.1"}
     plain = {"scene": str(cube), "values": {}, **render.CHOICES}
     for option, value in CHANGES.items():
