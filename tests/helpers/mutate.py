@@ -88,7 +88,7 @@ PYTHON = (
     ("addon/blender/frame.py", 'render.threads if render.threads_mode == "FIXED" else 0', "0",
      "blender/test_details.py"),
     ("addon/pen/params.py", "return not true(term[1:])", "return true(term[1:])", "blender/test_details.py"),
-    ("addon/blender/panels/presets.py", 'bl_options = {"REGISTER", "UNDO"}', 'bl_options = {"REGISTER"}',
+    ("addon/blender/panels/meter.py", 'bl_options = {"REGISTER", "UNDO"}', 'bl_options = {"REGISTER"}',
      "blender/test_details.py"),
     ("addon/pen/unwrap.py", "weight = np.repeat(area, 3)", "weight = np.ones(3 * len(area))",
      "unit/test_unwrap.py -k corner"),
