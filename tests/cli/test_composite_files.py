@@ -151,32 +151,6 @@ def test_a_frame_that_fails_ends_a_sequence_alike_by_one_process_and_by_several(
         assert code == 1 and "of 4 frames failed: " in err.splitlines()[-1] and (jobs > 1 or "that: 4, 5; " in err), err
 
 
-def test_a_process_that_is_killed_is_told_with_its_frame(tmp_path, scene):
-    one = exr.write(tmp_path / "in.1.exr", exr.passes(scene))
-    for frame in (2, 3, 4):
-        os.link(one, tmp_path / f"in.{frame}.exr")
-    os.remove(tmp_path / "in.2.exr")
-    os.mkfifo(tmp_path / "in.2.exr")
-    child = start("composite", tmp_path / "in.#.exr", "-f", "1-4", "-o", tmp_path / "o.#.png", "--jobs", "2")
-    deadline = time.monotonic() + 60
-    while not (found := [path.parent.name for path in Path("/proc").glob("[0-9]*/cmdline")
-                         if b"--share\x001/2/" in read(path) and bytes(tmp_path) in read(path)]):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    time.sleep(0.5)
-    os.kill(int(found[0]), signal.SIGKILL)
-    code, _, err = finish(child)
-    assert code == 1 and "in.2.exr: the process that drew it ended (signal SIGKILL)" in err, err
-    assert err.splitlines()[-1].startswith("encre: error: 1 of 4 frames failed: 2; not drawn after that: 4; ")
-
-
-def read(path):
-    try:
-        return path.read_bytes()
-    except OSError:  # it has just ended
-        return b""
-
-
 def test_jobs_end_with_the_process_that_shares_them_out(tmp_path, scene):
     one, frames = exr.write(tmp_path / "in.0001.exr", exr.passes(scene)), 200
     for frame in range(2, frames + 1):

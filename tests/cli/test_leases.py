@@ -6,6 +6,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -13,7 +14,7 @@ from pathlib import Path
 
 import exr
 import pytest
-from command import start
+from command import finish, start
 from cube import encre, fails, left, script, works
 from encre.cli import arguments, frames, images, lease, render, workplace
 from encre.pen import metadata
@@ -267,6 +268,29 @@ def test_composite_waits_as_well(run, tmp_path, scene):
             assert child.poll() is None
         owner.dies()
         assert child.wait(60) == 0 and (tmp_path / "o.1.png").exists()
+
+
+def test_a_process_that_is_killed_is_told_with_its_frame(tmp_path, scene):
+    for frame in 1, 2, 3, 4:
+        exr.write(tmp_path / f"in.{frame}.exr", exr.passes(scene))
+    with Owner(tmp_path, "o.2.png"):  # so its process draws 4 and then waits, until it is killed
+        child = start("composite", tmp_path / "in.#.exr", "-f", "1-4", "-o", tmp_path / "o.#.png", "--jobs", "2")
+        while not all((tmp_path / f"o.{frame}.png").exists() for frame in (1, 3, 4)):
+            assert child.poll() is None
+            time.sleep(0.02)
+        found, = (path.parent.name for path in Path("/proc").glob("[0-9]*/cmdline")
+                  if b"--share\x001/2/" in read(path) and bytes(tmp_path) in read(path))
+        os.kill(int(found), signal.SIGKILL)
+        code, _, err = finish(child)
+    assert code == 1 and "in.2.exr: the process that drew it ended (signal SIGKILL)" in err, err
+    assert err.splitlines()[-1].startswith("encre: error: 1 of 4 frames failed: 2; see the warnings above"), err
+
+
+def read(path):
+    try:
+        return path.read_bytes()
+    except OSError:  # it has just ended
+        return b""
 
 
 # What --resume compares: every option of `encre render`, with a value that changes the picture, or why none does.
