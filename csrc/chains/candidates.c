@@ -11,7 +11,8 @@ typedef struct search {
 	chains *c;
 	uint32_t n_edges; /* of all bodies */
 	int n_chunks;
-	int64_t *count; /* by chunk, and one more: first how many lines, then where they begin */
+	uint8_t *is_line; /* by edge */
+	int64_t *count;   /* by chunk, and one more: first how many lines, then where they begin */
 } search;
 
 /* ---- on the screen --------------------------------------------------------------------------------------------- */
@@ -211,10 +212,12 @@ static int64_t walk(const search *s, int chunk, line *out)
 		stop = stop < end ? stop : end;
 		line l;
 		for (; at < stop && b->near && b->shape; at++)
-			if (edge_line(c, i, (int32_t)(at - b->first), &l)) {
-				if (out)
-					out[n] = l;
-				n++;
+			if (out) {
+				if (s->is_line[at])
+					edge_line(c, i, (int32_t)(at - b->first), out + n++);
+			} else {
+				s->is_line[at] = edge_line(c, i, (int32_t)(at - b->first), &l);
+				n += s->is_line[at];
 			}
 		at = stop > at ? stop : at;
 	}
@@ -303,7 +306,8 @@ int32_t lines_find(chains *c)
 		s.n_edges += c->bodies[i].shape ? (uint32_t)c->bodies[i].shape->n_edges : 0;
 	s.n_chunks = (int)((s.n_edges + (uint64_t)CHUNK - 1) / CHUNK);
 	s.count = late_take(&c->late, (size_t)s.n_chunks + 1, sizeof *s.count);
-	if (!s.count)
+	s.is_line = late_take(&c->late, s.n_edges, 1);
+	if (!s.count || !s.is_line)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = bands_run(c->pool, s.n_chunks, 1, count_lines, &s)))
 		return code;
@@ -323,5 +327,7 @@ int32_t lines_find(chains *c)
 		return ENCRE_ERROR_MEMORY;
 	for (int64_t i = 0, n = sum; i < c->kept->n_meets; i++)
 		n += meet_line(c, i, c->lines + n);
-	return bands_run(c->pool, s.n_chunks, 1, write_lines, &s);
+	code = bands_run(c->pool, s.n_chunks, 1, write_lines, &s);
+	late_drop(&c->late, s.is_line);
+	return code;
 }

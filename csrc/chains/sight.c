@@ -266,20 +266,21 @@ static void add_seen(const chains *c, line *l, seen_piece *all, double from, dou
 	add_piece(l, all, piece);
 }
 
-static void see(const chains *c, line *l, seen_piece *all)
+/* s: what hid the line before hides this one, too, or not. */
+static void see(const chains *c, line *l, seen_piece *all, sight *s)
 {
 	samples k = samples_of(l);
-	sight s = {.c = c, .own = l, .body = -1};
+	s->own = l;
 	look last = {0};
 	double begins = 0, before = l->part[0];
 	for (int i = k.from; i < k.end; i++) {
 		double t = place_of(l, (i + 0.5) / k.n);
-		look now = look_at(c, l, t, &s);
+		look now = look_at(c, l, t, s);
 		bool same = now.seen == last.seen && now.flush == last.flush;
 		if (i == k.from) {
 			begins = l->part[0];
 		} else if (!same) {
-			double at = narrow(c, l, before, t, last, &s);
+			double at = narrow(c, l, before, t, last, s);
 			if (last.seen)
 				add_seen(c, l, all, begins, at, last);
 			begins = at;
@@ -295,8 +296,9 @@ static void see_lines(void *data, int from, int end, int thread)
 {
 	(void)thread;
 	chains *c = data;
+	sight s = {.c = c, .body = -1};
 	for (int i = from; i < end && !bands_stopped(c->pool); i++)
-		see(c, c->lines + i, c->pieces + c->lines[i].first);
+		see(c, c->lines + i, c->pieces + c->lines[i].first, &s);
 }
 
 int32_t ISA(sight_find)(chains *c)

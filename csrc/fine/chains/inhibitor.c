@@ -3,6 +3,10 @@
  * to frame, and by identity where two are alike. */
 #include "fine/chains/stations.h"
 
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
 enum { ROUNDS = 4 };
 
 /* Px between lines up to which one gives way, in full from half of that on. */
@@ -80,20 +84,19 @@ typedef struct pair {
 
 typedef struct pairs {
 	stations *s;
-	uint32_t *first; /* by station, and one more */
-	pair *pair;      /* NULL: they are counted */
+	uint32_t *count; /* by station */
+	pair **of;       /* by chunk of stations: theirs, one after the other */
+	atomic_bool failed;
 } pairs;
 
-static uint32_t pairs_at(const stations *s, uint32_t i, pair *to)
+/* Writes those of a station and returns how many they are; it has room for all that is beside it. */
+static uint32_t pairs_at(const stations *s, uint32_t i, station_rows w, pair *to)
 {
 	const station *a = s->at + i;
 	float far = reach * s->px;
 	uint32_t count = 0;
-	if (!is_drawn(a))
-		return 0;
 	const station_grid *g = &s->grid;
 	float x = (float)(a->x - g->x), y = (float)(a->y - g->y), dx = a->dx, dy = a->dy;
-	station_rows w = rows_near(g, a->x, a->y, far + abreast);
 	while (next_row(g, &w))
 		for (uint32_t k = w.from; k < w.end; k++) {
 			float ex = g->px[k] - x, ey = g->py[k] - y, right = ey * dx - ex * dy, across = fabsf(right),
@@ -105,11 +108,8 @@ static uint32_t pairs_at(const stations *s, uint32_t i, pair *to)
 			    !gives_way(s, a, b, right, dot))
 				continue;
 			float share = clamp01(2 - 2 * across / far) * clamp01((cosine - parallel) / (along - parallel));
-			if (!(share > 0))
-				continue;
-			if (to)
-				to[count] = (pair){g->station[k], share};
-			count++;
+			if (share > 0)
+				to[count++] = (pair){g->station[k], share};
 		}
 	return count;
 }
@@ -117,12 +117,34 @@ static uint32_t pairs_at(const stations *s, uint32_t i, pair *to)
 static void find_pairs(void *data, int first, int end, int thread)
 {
 	(void)thread;
-	const pairs *p = data;
-	for (int i = first; i < end && !stopped_at(p->s->n, i); i++) {
-		uint32_t count = pairs_at(p->s, (uint32_t)i, p->pair ? p->pair + p->first[i] : NULL);
-		if (!p->pair)
-			p->first[i + 1] = count;
+	pairs *p = data;
+	const stations *s = p->s;
+	pair *all = NULL;
+	size_t n = 0, room = 0;
+	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
+		const station *t = s->at + i;
+		size_t most = 0;
+		p->count[i] = 0;
+		if (!is_drawn(t))
+			continue;
+		station_rows w = rows_beside(&s->grid, t->x, t->y, t, reach * s->px, abreast), again = w;
+		while (next_row(&s->grid, &w))
+			most += w.end - w.from;
+		if (!most)
+			continue;
+		if (!all || n + most > room) {
+			room = 2 * (n + most);
+			pair *more = realloc(all, room * sizeof *more);
+			if (!more) {
+				atomic_store(&p->failed, true);
+				break;
+			}
+			all = more;
+		}
+		p->count[i] = pairs_at(s, (uint32_t)i, again, all + n);
+		n += p->count[i];
 	}
+	p->of[first / STATION_CHUNK] = all;
 }
 
 /* ---- rounds ---------------------------------------------------------------------------------------------- */
@@ -132,10 +154,11 @@ static void give_way(void *data, int first, int end, int thread)
 	(void)thread;
 	const pairs *p = data;
 	const stations *s = p->s;
+	const pair *at = p->of[first / STATION_CHUNK];
 	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
 		float least = 1;
-		for (uint32_t k = p->first[i]; k < p->first[i + 1]; k++)
-			least = min(least, 1 - p->pair[k].share * s->at[p->pair[k].to].keep);
+		for (uint32_t k = 0; k < p->count[i]; k++, at++)
+			least = min(least, 1 - at->share * s->at[at->to].keep);
 		s->mean[i] = is_drawn(s->at + i) ? s->at[i].solid * least : 0;
 	}
 }
@@ -161,22 +184,16 @@ static void even_runs(void *data, int first, int end, int thread)
 int32_t ISA(stations_give_way)(stations *s)
 {
 	fine *n = s->n;
-	pairs p = {s, late_take(&n->f->late, (size_t)s->count + 1, sizeof *p.first), NULL};
-	if (!p.first)
+	size_t chunks = ((size_t)s->count + STATION_CHUNK - 1) / STATION_CHUNK;
+	pairs p = {.s = s,
+		   .count = late_take(&n->f->late, s->count, sizeof *p.count),
+		   .of = late_take(&n->f->late, chunks, sizeof *p.of)};
+	if (!p.count || !p.of)
 		return ENCRE_ERROR_MEMORY;
+	memset(p.of, 0, chunks * sizeof *p.of);
 	int32_t code = bands_run(n->f->bands, (int)s->count, STATION_CHUNK, find_pairs, &p);
-	uint64_t sum = 0;
-	p.first[0] = 0;
-	for (uint32_t i = 0; !code && i < s->count; i++) {
-		sum += p.first[i + 1];
-		p.first[i + 1] = (uint32_t)sum;
-	}
-	if (code)
-		return code;
-	p.pair = sum < UINT32_MAX ? late_take(&n->f->late, (size_t)sum, sizeof *p.pair) : NULL;
-	if (!p.pair)
-		return ENCRE_ERROR_MEMORY;
-	code = bands_run(n->f->bands, (int)s->count, STATION_CHUNK, find_pairs, &p);
+	if (!code && atomic_load(&p.failed))
+		code = ENCRE_ERROR_MEMORY;
 	for (uint32_t i = 0; i < s->count; i++)
 		s->at[i].keep = is_drawn(s->at + i) ? 1 : 0;
 	for (int round = 0; !code && round < ROUNDS; round++) {
@@ -185,7 +202,9 @@ int32_t ISA(stations_give_way)(stations *s)
 		code = code ? code : bands_run(n->f->bands, s->runs, RUN_CHUNK, even_runs, s);
 		code = code ? code : bands_run(n->f->bands, (int)s->count, STATION_CHUNK, set_keep, s);
 	}
-	late_drop(&n->f->late, p.pair);
-	late_drop(&n->f->late, p.first);
+	for (size_t i = 0; i < chunks; i++)
+		free(p.of[i]);
+	late_drop(&n->f->late, p.of);
+	late_drop(&n->f->late, p.count);
 	return code;
 }

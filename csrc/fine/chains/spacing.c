@@ -166,7 +166,7 @@ static void look_across(const stations *s, station *t, double x, double y, const
 {
 	const station_grid *g = &s->grid;
 	float x0 = (float)(t->x - g->x), y0 = (float)(t->y - g->y);
-	station_rows w = rows_near(g, x, y, abreast);
+	station_rows w = rows_beside(g, x, y, t, 0.5f * g->cell, abreast);
 	while (next_row(g, &w))
 		for (uint32_t j = w.from; j < w.end; j++) {
 			float ex = g->px[j] - x0, ey = g->py[j] - y0, across = ex * in[0] + ey * in[1];
@@ -178,8 +178,12 @@ static void look_across(const stations *s, station *t, double x, double y, const
 			float dot = t->dx * o->dx + t->dy * o->dy, cosine = fabsf(dot);
 			if (cosine < parted || (dot > 0 ? 1 : -1) * o->side * t->side > 0)
 				continue;
-			t->apart = mix(most, across, clamp01((cosine - parted) / (beside - parted)));
-			t->sine = fabsf(t->dx * o->dy - t->dy * o->dx);
+			float own = mix(most, across, clamp01((cosine - parted) / (beside - parted))),
+			      sine = fabsf(t->dx * o->dy - t->dy * o->dx);
+			if (!(own < t->apart) && !(own == t->apart && sine < t->sine)) /* whatever their order */
+				continue;
+			t->apart = own;
+			t->sine = sine;
 		}
 }
 
@@ -282,14 +286,13 @@ static void thin_out(void *data, int first, int end, int thread)
 	const stations *s = data;
 	const station_grid *g = &s->grid;
 	float reach = counted * s->px;
-	/* fewer stations than two lines have in all of these cells */
-	uint32_t few = (uint32_t)(2 * 2 * (reach + s->grid.cell) / station_step);
+	uint32_t few = (uint32_t)(2 * counted / full_apart); /* so many are as wide as alone */
 	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
 		station *t = s->at + i;
 		uint32_t all = 0;
 		if (!is_drawn(t))
 			continue;
-		station_rows w = rows_near(g, t->x, t->y, reach), again = w;
+		station_rows w = rows_beside(g, t->x, t->y, t, reach, counted_along), again = w;
 		while (next_row(g, &w))
 			all += w.end - w.from;
 		if (all < few)

@@ -111,27 +111,45 @@ static inline int grid_index(double at, double from, float cell, int count)
 	return clamp_index((int)((at - from) / (double)cell), count);
 }
 
-/* Rows of cells about a place; members from .. end - 1 of a row are near. */
+/* Rows of cells that a strip through a place touches; members from .. end - 1 of a row are near. */
 typedef struct station_rows {
-	int row, last, x0, x1;
+	int row, last;
+	double x, y;         /* the place */
+	float dx, dy;        /* the way to which the strip is square */
+	float across, along; /* pixels from the place to its ends and sides */
 	uint32_t from, end;
 } station_rows;
 
-static inline station_rows rows_near(const station_grid *g, double x, double y, float reach)
+static inline station_rows rows_beside(const station_grid *g, double x, double y, const station *way, float across,
+				       float along)
 {
-	return (station_rows){.row = grid_index(y - (double)reach, g->y, g->cell, g->tall),
-			      .last = grid_index(y + (double)reach, g->y, g->cell, g->tall),
-			      .x0 = grid_index(x - (double)reach, g->x, g->cell, g->across),
-			      .x1 = grid_index(x + (double)reach, g->x, g->cell, g->across)};
+	float tall = fabsf(way->dx) * across + fabsf(way->dy) * along;
+	return (station_rows){.row = grid_index(y - (double)tall, g->y, g->cell, g->tall),
+			      .last = grid_index(y + (double)tall, g->y, g->cell, g->tall),
+			      .x = x,
+			      .y = y,
+			      .dx = way->dx,
+			      .dy = way->dy,
+			      .across = across,
+			      .along = along};
 }
 
 static inline bool next_row(const station_grid *g, station_rows *w)
 {
 	if (w->row > w->last)
 		return false;
+	float top = (float)(g->y + (double)w->row * (double)g->cell - w->y), low = -w->across, high = w->across,
+	      way = fabsf(w->dx), side = w->along * fabsf(w->dy), room = 0.01f; /* pixels, for rounding */
+	/* those beyond the grid are in its outermost cells */
+	if (way > 0.01f && w->row > 0 && w->row < g->tall - 1) {
+		low = max(low, (top - side - room) / way);
+		high = min(high, (top + g->cell + side + room) / way);
+	}
+	float lean = w->dx > 0 ? -w->dy : w->dy, wide = w->along * fabsf(w->dx) + room;
+	float left = min(lean * low, lean * high) - wide, right = max(lean * low, lean * high) + wide;
 	const uint32_t *first = g->first + (size_t)w->row++ * (size_t)g->across;
-	w->from = first[w->x0];
-	w->end = first[w->x1 + 1];
+	w->from = first[grid_index(w->x + (double)left, g->x, g->cell, g->across)];
+	w->end = first[grid_index(w->x + (double)right, g->x, g->cell, g->across) + 1];
 	return true;
 }
 
