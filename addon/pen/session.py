@@ -204,6 +204,11 @@ def _row(numbers):
     return " ".join(f"{number + 0.0:.5g}" for number in numbers)
 
 
+def rated(rate: float) -> str:
+    """Pictures a second as text, which is never 0 where there are some."""
+    return f"{rate:.1f}" if rate >= 1 else f"{rate:.2g}"
+
+
 def _line(value):
     """In one row, whatever was typed."""
     return " ".join(str(value).split())

@@ -42,6 +42,11 @@ def test_a_person_goes_through_all_phases(sat):
     assert list(record.sides) == facts["sides"]
 
 
+def test_how_many_pictures_there_are_is_measured_on_pictures(sat):
+    """However long these take; and a window in which nothing changes is not drawn."""
+    assert sat[0]["rate"] > 0 and float(sat[1].head["Pictures a second"]) > 0 and sat[0]["rested"]
+
+
 def test_flights_are_drawn_beforehand_and_kept(sat):
     facts, record, folder = sat
     count, missing, used = facts["film"]

@@ -29,7 +29,7 @@ now, off = time.time, float(os.environ["SKEW"])
 time.time = lambda: now() + off
 """
 ALONE = ["unshare", "--uts", "--net", "--pid", "--fork", "--kill-child=KILL", "--mount-proc"]
-LIMIT = 300  # seconds that a round may take
+LIMIT = 300  # seconds that a round may take, and again the machine that comes after all are dead
 
 
 class Machine:
@@ -37,7 +37,8 @@ class Machine:
 
     def __init__(self, number, command, folder, chance):
         self.said = open(folder / f"said.{number}", "w+")  # noqa: SIM115 - as long as the machine
-        environment = {**os.environ, "PYTHONPATH": str(folder / "site"), "SKEW": str(chance.uniform(-600, 600))}
+        paths = os.pathsep.join(filter(None, [str(folder / "site"), os.environ.get("PYTHONPATH")]))
+        environment = {**os.environ, "PYTHONPATH": paths, "SKEW": str(chance.uniform(-600, 600))}
         host = ["sh", "-c", f'hostname node{number} && exec "$@"', "sh"]
         self.child = subprocess.Popen([*ALONE, *host, *command], stderr=self.said, stdout=self.said, env=environment)
 
@@ -62,8 +63,19 @@ def play(chance, command, paths, whole, folder):
     """One round; (pictures put in place, kills, stops)."""
     count, seconds = chance.randint(2, 4), chance.choice([2, 4, 600])
     command = [*command, "--lease", str(seconds)]
-    machines = [Machine(k, command, folder, chance) for k in range(count)]
-    every, kills, stops, stopped = list(machines), 0, 0, {}
+    every = [Machine(k, command, folder, chance) for k in range(count)]
+    try:
+        return watched(chance, command, paths, whole, folder, every, seconds)
+    finally:
+        for machine in every:  # those that a failed round leaves
+            machine.child.kill()
+            machine.child.wait()
+            machine.said.close()
+
+
+def watched(chance, command, paths, whole, folder, every, seconds):
+    """Likewise; every: the machines that have begun, to which others come; seconds: of a lease."""
+    machines, kills, stops, stopped = list(every), 0, 0, {}
     most, end = chance.randint(1, 5), time.monotonic() + LIMIT
     while machines:
         assert time.monotonic() < end, f"not done after {LIMIT} s"
@@ -104,9 +116,6 @@ def play(chance, command, paths, whole, folder):
         assert last.child.wait(LIMIT) == 0, last.words()
     assert all(map(whole, paths)), "a frame is missing"
     drawn = sum(len(re.findall(r" \(\d+\.\d s\)$", machine.words(), re.MULTILINE)) for machine in every)
-    for machine in every:
-        machine.child.wait()
-        machine.said.close()
     return drawn, kills, stops
 
 
@@ -116,14 +125,17 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--frames", type=int, default=8)
     parser.add_argument("--scene")
+    parser.add_argument("--minutes", type=float, default=1e9, help="no round begins after that long")
     how = parser.parse_args()
     import command
     import drawn
     import exr
     from encre.cli import images
 
-    totals = [0, 0, 0]
+    totals, rounds, end = [0, 0, 0], 0, time.monotonic() + 60 * how.minutes
     for number in range(how.seed, how.seed + how.rounds):
+        if time.monotonic() > end:
+            break
         chance, folder = random.Random(number), Path(tempfile.mkdtemp(prefix="kills-"))
         paths = [folder / "out" / f"o.{frame}.png" for frame in range(1, how.frames + 1)]
         paths[0].parent.mkdir()
@@ -131,7 +143,8 @@ def main():
         (folder / "site" / "sitecustomize.py").write_text(SKEWED)
         encre, frames = [sys.executable, "-m", "encre"], f"1-{how.frames}"
         if how.scene:
-            todo = [*encre, "render", how.scene, "-o", folder / "out" / "o.#.png", "-f", frames, "--resume"]
+            todo = [*encre, "render", how.scene, "-o", folder / "out" / "o.#.png", "-f", frames, "--resume",
+                    "--size=64x36", "--set=layer_source=ENCRE", "--threads=1"]
         else:
             one = exr.write(folder / "in.1.exr", exr.passes(drawn.scene(*command.SIZE)))
             for frame in range(2, how.frames + 1):
@@ -142,11 +155,11 @@ def main():
                     folder)
         left = {path.name for path in (folder / "out").iterdir()} - {path.name for path in paths}
         assert all(re.match(r"\.encre-", name) for name in left), left
-        totals = [a + b for a, b in zip(totals, made, strict=True)]
+        totals, rounds = [a + b for a, b in zip(totals, made, strict=True)], rounds + 1
         print(f"round {number}: {how.frames} frames whole, put in place {made[0]} times, {made[1]} kills, "
               f"{made[2]} stops, {len(left)} folders left", flush=True)
         shutil.rmtree(folder)
-    print(f"{how.rounds} rounds, {how.rounds * how.frames} frames: none lost, {totals[0]} put in place, "
+    print(f"{rounds} rounds, {rounds * how.frames} frames: none lost, {totals[0]} put in place, "
           f"{totals[1]} kills, {totals[2]} stops")
 
 

@@ -168,3 +168,8 @@ def test_files_that_are_not_whole_are_refused(tmp_path, change, words):
 def test_plans_that_no_file_could_hold_are_refused(plan):
     with pytest.raises(EncreError):
         plan.check()
+
+
+@pytest.mark.parametrize("rate, said", [(14.23, "14.2"), (1.0, "1.0"), (0.287, "0.29"), (0.0312, "0.031")])
+def test_a_rate_is_told_and_not_rounded_away(rate, said):
+    assert session.rated(rate) == said

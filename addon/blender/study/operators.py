@@ -10,7 +10,7 @@ from ...pen.errors import EncreError
 from ...pen.session import LINES, LOOKS, Plan
 from .. import ENGINE, live, versions
 from . import quadrants
-from .panel import Panel
+from .panel import Panel, rows
 from .stage import Options, Stage
 
 _TICK = 1 / 30  # seconds
@@ -143,7 +143,8 @@ class ENCRE_OT_study_run(bpy.types.Operator):
             self.moved = [0, 0]
             self._hide(context)
             stage.tick(passed)
-            self.region.tag_redraw()
+            if stage.stirs((rows(stage), self.panel.focus)):
+                self.region.tag_redraw()
         elif event.type == "MOUSEMOVE":
             if stage.roams:
                 self._turn(context, event)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...pen.session import LINES, STEPS
+from ...pen.session import LINES, STEPS, rated
 
 _PAPER, _INK, _PALE, _CHOSEN, _FIELD = ((0.96, 0.95, 0.92), (0.1, 0.1, 0.12), (0.78, 0.77, 0.74), (0.16, 0.35, 0.62),
                                         (1.0, 1.0, 1.0))
@@ -38,8 +38,8 @@ def rows(stage):
         return [Row("title", "One moment"), Row("text", "The pictures are being made ready.")]
     if stage.now == "OFFER":
         return [Row("title", "Before anybody sits down here"),
-                Row("text", f"This machine shows {stage.rate:.1f} pictures a second. In flights there ought to be 10 "
-                    "or more."),
+                Row("text", f"This machine shows {rated(stage.rate)} pictures a second. In flights there ought to be "
+                    "10 or more."),
                 Row("text", f"P: draw the flights beforehand, {stage.film.count} pictures, which takes about "
                     f"{max(1, round(stage.minutes))} min. They are kept for everybody who follows."),
                 Row("text", "Space: begin with what there is.")]
@@ -69,7 +69,7 @@ def rows(stage):
     if session.phase == "FLIGHT":
         return [Row("title", f"Flight {session.flight} of {plan.flights}"),
                 Row("text", "Sit back and compare the two lower pictures. There is nothing to press yet."),
-                Row("bar", share=stage.share)]
+                Row("bar", share=round(stage.share, 2))]
     if session.phase == "EXPLORE":
         return [Row("title", "Now you fly"), *(Row("text", text) for text in _MOVES[session.mode]),
                 Row("text", "Use both ways to move. Once you have looked around enough, the questions come here."),

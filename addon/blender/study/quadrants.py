@@ -124,6 +124,10 @@ class Quadrants(live.View):
             return self.scale
         return max(super()._quick(), _SMALLEST * self.scale if self.stage.flies else 0)
 
+    def hurries(self):
+        """Whether a picture is on its way that is not given up when the camera moves."""
+        return self.picture is not None and not self.picture.ended and self.picture.scale <= self._quick()
+
     def _order(self):
         """Numbers of the panes: upper left, lower left, lower right; 0 is the plain one."""
         names = [look.name for look in self.stage.looks]

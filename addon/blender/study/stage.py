@@ -8,6 +8,7 @@
 import hashlib
 import os
 import time
+import weakref
 from dataclasses import dataclass
 
 import bpy
@@ -15,13 +16,14 @@ import numpy as np
 from mathutils import Euler, Vector
 
 from ...pen.errors import EncreError
-from ...pen.session import EVERY, Plan, Record, Session
+from ...pen.session import EVERY, Plan, Record, Session, rated
 from .. import bake
 from . import baked, quadrants
 from .film import Film
 from .flight import Flight, Free, Room, view
 
-_REHEARSAL = 3.0  # seconds
+_REHEARSAL, _LONGEST = 3.0, 30.0  # seconds; the longer one on machines that don't show _SOME pictures before
+_SOME = 5
 _LEAVES = 2.0     # seconds in which Esc must be pressed twice
 _AHEAD, _BACK = {"UP_ARROW", "RIGHT_ARROW", "W", "D"}, {"DOWN_ARROW", "LEFT_ARROW", "S", "A"}
 _PUSHES = {"W": (0, 1, 0), "UP_ARROW": (0, 1, 0), "S": (0, -1, 0), "DOWN_ARROW": (0, -1, 0), "A": (-1, 0, 0),
@@ -66,7 +68,8 @@ class Stage:
         self.uses_film, self.saved, self.over = False, None, False
         self.fault = self.said = ""     # what can't be mended here, and what can
         self._stats = [0, 0.0, []]      # of this session's flights: pictures, seconds, scales
-        self.size = None
+        self.size = self._view = None
+        self._ticked, self._seen = None, (None,)  # when it went on; what was to be seen when it was drawn
         if options.play:
             self._play(options.play)
 
@@ -113,6 +116,16 @@ class Stage:
         camera = self.scene.camera.evaluated_get(depsgraph)
         return view(*self.pose()), self.flight.projection(self.share, camera, depsgraph, width, height)
 
+    def stirs(self, words):
+        """Whether the window is to be drawn again, words: all that is written in it. Where no GPU helps, that costs
+        Blender as much as a small picture costs Encre; and while such a picture is on its way nothing new is shown."""
+        pose, busy = tuple(map(tuple, self.pose())), self._view and self._view()
+        seen = words, pose, self.session.sides, self.session.thickness, self.filmed, id(self.film_picture())
+        if seen == self._seen or (busy and busy.hurries() and words == self._seen[0]):
+            return False
+        self._seen = seen
+        return True
+
     def film_picture(self):
         """The panes that were drawn beforehand of what is seen now; None: it is drawn live."""
         if not self.uses_film or self.now != "SESSION" or self.roams or self.session.thickness != 1:
@@ -123,7 +136,7 @@ class Stage:
 
     def took(self, scale):
         """It shows a new picture, of this part of its size."""
-        self.taken += 1
+        self.taken, self._last = self.taken + 1, time.perf_counter()
         self.scales.append(scale)
         if self.now == "SESSION" and self.session.phase == "FLIGHT":
             self._stats[0] += 1
@@ -139,6 +152,7 @@ class Stage:
                 self._pending = drawn
 
     def drawn(self, view):
+        self._view = weakref.ref(view)
         if view.failure and not self.fault:
             self.fault = view.failure
         self._scene, self._costs = view.scene, view.costs
@@ -148,6 +162,7 @@ class Stage:
     def tick(self, passed):
         """passed: seconds since the last one."""
         clock = time.perf_counter()
+        since, self._ticked = clock - (self._ticked or clock), clock
         if self.now == "READY":
             self._ready(clock, passed)
         elif self.now == "FILM":
@@ -155,7 +170,7 @@ class Stage:
         elif self.now == "PLAY":
             self._at = min(self._at + passed, self._record.track[-1][0])
         elif self.now == "SESSION" and self.session.phase == "FLIGHT":
-            self._stats[1] += passed
+            self._stats[1] += since
             self.share += passed / max(self.flight.seconds, 0.1)
             if self.share >= 1:
                 self.session.go_on()
@@ -185,16 +200,17 @@ class Stage:
             whole = [seconds for (scale, drawn), seconds in self._costs.items() if drawn and scale == largest]
             self.film = Film(self.options.folder or ".", self.flight.seconds, self._told())
             self.minutes = self.film.count * max(whole, default=1) / 60
-            self._begun, self.taken, self.scales = time.perf_counter(), 0, []
+            self._begun, self.taken, self.scales, self._flown = time.perf_counter(), 0, [], 0.0
             return
-        self.share += passed / max(self.flight.seconds, 0.1)
-        if clock - self._begun < _REHEARSAL:
+        self._flown += passed / max(self.flight.seconds, 0.1)
+        self.share = 1 - abs(1 - self._flown % 2)  # there and back again: one that stands still shows no new pictures
+        spent = clock - self._begun
+        if not self.taken or spent < _REHEARSAL or (self.taken < _SOME and spent < _LONGEST):
             return
-        self.rate, self.share = self.taken / (clock - self._begun), 0.0
-        scale = float(np.mean(self.scales)) if self.scales else 0.0
+        self.rate, self.share = self.taken / (self._last - self._begun), 0.0
         width, height = self.size
-        self.tell("note", text=f"{self.rate:.1f} pictures a second, of {scale:.0%} of a quadrant's size each way, "
-                  f"while the camera flies at {width}x{height}")
+        self.tell("note", text=f"{rated(self.rate)} pictures a second, of {np.mean(self.scales):.0%} of a quadrant's "
+                  f"size each way, while the camera flies at {width}x{height}")
         self._choose()
 
     def _choose(self):
@@ -294,9 +310,9 @@ class Stage:
             raise EncreError("One question is still to be answered: choose Bottom Left or Bottom Right.")
         pictures, seconds, scales = self._stats
         about = {"Scene": self.name, "Size": "x".join(map(str, self.size)),
-                 "Flights": "drawn beforehand" if self.uses_film else "live",
-                 "Pictures a second": f"{pictures / seconds:.1f}" if seconds else "0",
-                 "Of a quadrant's size": f"{np.mean(scales):.2f}" if scales else "0"}
+                 "Flights": "drawn beforehand" if self.uses_film else "live"}
+        if scales:  # or there was no flight
+            about |= {"Pictures a second": rated(pictures / seconds), "Of a quadrant's size": f"{np.mean(scales):.2f}"}
         try:
             self.saved = self.session.save(self.options.folder, about)
         except OSError as error:

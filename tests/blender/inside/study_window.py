@@ -115,6 +115,10 @@ def held(key, steps):
 def steps():
     yield from until(lambda: stage() and stage().now == "OFFER", "the offer of a film")
     yield from shot("offer", "P: draw")
+    seen = stage()._seen
+    yield from some(8)
+    studio.fact("rested", stage()._seen is seen)
+    studio.fact("rate", stage().rate)
     keys.point(300, 200)
     keys.press("p")
     yield from until(lambda: stage().now == "SESSION", "the film")
@@ -216,6 +220,8 @@ def run(todo=[]):  # noqa: B006 - the generator that goes on
 if __name__ == "__main__":
     room()
     from encre.blender.study import quadrants
+    from encre.blender.study import stage as stages
 
     quadrants.FEWEST = 1e9  # no machine shows so many
+    stages._REHEARSAL, stages._SOME = 0.0, 3  # and this one is over before there is any picture
     bpy.app.timers.register(run, first_interval=0.5, persistent=True)
