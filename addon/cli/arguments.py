@@ -355,7 +355,7 @@ def parser():
                                   description=(
         "Open a window in which people compare two looks of a scene whose camera moves, one person after the other, "
         "and write a text file of each. --analyse tells what came of it, --plan how many people it takes; both need "
-        "scipy: pip install 'encre[study]'."), examples="""examples:
+        "scipy: pip install scipy."), examples="""examples:
   encre study room.blend -o answers
   encre study room.blend -o answers --left ink_only --right pencil --open "Why?"
   encre study --analyse answers
@@ -366,7 +366,7 @@ def parser():
     for side, default in ("left", "dynamic"), ("right", "baked"):
         command.add_argument(f"--{side}", metavar="LOOK", default=default, help=(
             f"{'one' if side == 'left' else 'the other'} look: dynamic (the scene as it is), baked (lines between "
-            f"colours in its textures), plain, or a preset (default: {default})"
+            f"colors in its textures), plain, or a preset (default: {default})"
             + ("; on which side each stands is drawn at random" if side == "left" else "")))
     command.add_argument("--question", metavar="'NAME: TEXT'", action="append", default=[], dest="questions", help=(
         "ask this instead of the thesis' two questions; may be repeated"))

@@ -9,7 +9,7 @@ try:
     from scipy.optimize import brentq
     from scipy.stats import binom, binomtest, norm
 except ImportError:
-    raise EncreError("the statistics of a study need scipy; install it with `pip install 'encre[study]'`") from None
+    raise EncreError("the statistics of a study need scipy; install it with `pip install scipy`") from None
 
 ALPHA, POWER = 0.05, 0.8
 _MOST = 100_000  # people

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines between colours in textures, as wide as those of a frame where these have their full width."""
+"""Lines between colors in textures, as wide as those of a frame where these have their full width."""
 
 from math import sqrt
 
@@ -12,9 +12,9 @@ from .. import bake, properties, subject, triangles
 
 
 def check(scene):
-    """Raises EncreError where there are no lines between colours that could be in textures."""
+    """Raises EncreError where there are no lines between colors that could be in textures."""
     if not (scene.encre.use_lines and scene.encre.edge_color and scene.encre.width_color):
-        raise EncreError("the scene draws no lines between colours, which are what is compared; add --preset "
+        raise EncreError("the scene draws no lines between colors, which are what is compared; add --preset "
                          "inter_color, or apply the preset Inter-color")
     if not bake.tasks(scene.objects):
         raise EncreError("no object of the scene shows a colour image, so there is nothing to bake lines into; give a "
@@ -23,7 +23,7 @@ def check(scene):
 
 
 def groups(scene):
-    """The scene's settings and those styles' that change how strong lines between colours are: where the textures have
+    """The scene's settings and those styles' that change how strong lines between colors are: where the textures have
     these, `edge_color` of all of them is 0."""
     return [scene.encre, *(style for style in scene.encre.styles if style.is_property_set("edge_color"))]
 

@@ -21,7 +21,7 @@ _SMALLEST = 1 / 2  # of a quadrant's size, in flights
 
 @dataclass(frozen=True)
 class Look:
-    """What one of the two is drawn by: as looks.own() takes it, or with lines between colours in the textures."""
+    """What one of the two is drawn by: as looks.own() takes it, or with lines between colors in the textures."""
 
     name: str           # how files of sessions name it
     of: str = looks.SCENE
@@ -197,7 +197,7 @@ def _show(textures, region, order):
                                      2 * (x + width) / region.width - 1, 2 * (y + height) / region.height - 1))
 
 
-_SHARED = ("raster", "light")  # kinds of works whose pictures no texture's colours change
+_SHARED = ("raster", "light")  # kinds of works whose pictures no texture's colors change
 
 
 def _noting(steps, done):
@@ -213,7 +213,7 @@ def _noting(steps, done):
 
 
 def _again(steps, done):
-    """Steps that draw the same with other colours of textures: works of shared kinds get what was drawn before."""
+    """Steps that draw the same with other colors of textures: works of shared kinds get what was drawn before."""
     results, done = None, iter(done)
     while True:
         try:
