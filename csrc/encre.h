@@ -238,6 +238,7 @@ enum encre_chain_kind {
 	ENCRE_CHAIN_MATERIAL = 512, /* the number of the material changes */
 	ENCRE_CHAIN_FLUSH = 1024,   /* beside others: the surface goes on at the same depth in another one, of the same
 				       object or material: a line by its bend alone */
+	ENCRE_CHAIN_ROUND = 2048,   /* beside others: of a form that is shaded as if it were round */
 };
 
 /* Why a run ends. */

@@ -96,7 +96,8 @@ class ChainPoint(c.Structure):
 
 CHAIN_POINT = np.dtype(ChainPoint)
 # Its bits of `kind` and values of `end`.
-CHAIN_KINDS = ("contour", "border", "number", "crease", "meet", "mark", "bevel", "smooth", "other", "material", "flush")
+CHAIN_KINDS = ("contour", "border", "number", "crease", "meet", "mark", "bevel", "smooth", "other", "material", "flush",
+               "round")
 CHAIN_ENDS = ("none", "node", "hidden", "frame", "loop")
 
 

@@ -31,6 +31,7 @@ static void put_style(writer *w, const encre_params *p, bool light)
 {
 #include "edges/edges.rows.h"
 	put(w, &p->line_min_length, sizeof p->line_min_length);
+	put(w, &p->line_smooth, sizeof p->line_smooth);
 	if (light) {
 #include "surface/shade.rows.h"
 	}

@@ -149,7 +149,8 @@ static int kind_of(const chains *c, const body *b, int32_t number, float *bend, 
 			*fade = 1;
 		}
 	}
-	return kind ? kind | smooth : 0;
+	int round = e->flags & EDGE_ROUND ? ENCRE_CHAIN_ROUND : 0;
+	return kind ? kind | smooth | round : 0;
 }
 
 static void load_edge(const body *b, int i, int32_t number, line *l)

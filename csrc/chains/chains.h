@@ -24,6 +24,7 @@ enum edge_flag {
 	EDGE_SAME_WAY = 16, /* both triangles go along it the same way */
 	EDGE_OBJECT = 32,   /* numbers of objects differ */
 	EDGE_MATERIAL = 64,
+	EDGE_ROUND = 128, /* of a form that is meant to be round: shaded smoothly, or both its ends are */
 };
 
 typedef struct mesh_edge {

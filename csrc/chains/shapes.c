@@ -148,7 +148,7 @@ static void find_edge(const recipe *r, const shape *s, uint32_t c, mesh_edge *e)
 	bool never = told == ENCRE_EDGE_NONE, smooth = told == ENCRE_EDGE_SMOOTH;
 	double own[3];
 	if (second == NO_CORNER) {
-		e->flags = EDGE_BORDER;
+		e->flags = EDGE_BORDER | (smooth ? EDGE_ROUND : 0);
 		return;
 	}
 	e->face[1] = (int32_t)(second / 3);
@@ -171,6 +171,26 @@ static void find_edge(const recipe *r, const shape *s, uint32_t c, mesh_edge *e)
 	e->flags |= never ? EDGE_NEVER : smooth ? EDGE_SMOOTH : 0;
 }
 
+/* A rim of a round form is no smooth edge itself, but its points are on edges across it that are, and bend. */
+static bool find_round(const shape *s, const encre_mesh *m)
+{
+	const float least_bend = 3; /* degrees */
+	uint8_t *round = calloc((size_t)m->n_points + 1, 1);
+	if (!round)
+		return false;
+	for (int32_t i = 0; i < s->n_edges; i++) {
+		const mesh_edge *e = s->edges + i;
+		if (e->flags & EDGE_SMOOTH && e->bend >= least_bend)
+			round[e->end[0]] = round[e->end[1]] = 1;
+	}
+	for (int32_t i = 0; i < s->n_edges; i++) {
+		mesh_edge *e = s->edges + i;
+		e->flags |= e->flags & EDGE_SMOOTH || (round[e->end[0]] && round[e->end[1]]) ? EDGE_ROUND : 0;
+	}
+	free(round);
+	return true;
+}
+
 static bool find_edges(const recipe *r, shape *s)
 {
 	uint32_t corners = 3 * (uint32_t)s->n_triangles;
@@ -188,7 +208,7 @@ static bool find_edges(const recipe *r, shape *s)
 			s->edge_of[d] = n;
 		find_edge(r, s, c, s->edges + n++);
 	}
-	return true;
+	return find_round(s, r->mesh);
 }
 
 static bool find_tree(shape *s, const encre_mesh *m)

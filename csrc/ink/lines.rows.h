@@ -6,6 +6,7 @@ FLOAT(line_thickness, SURFACE, 8, 0, 4096, 0, 24, "px", "use_lines", "Thickness"
 FLOAT(line_max_thickness, FRAME, 128, 0, 4096, 1, 512, "px", "use_lines", "Maximum Thickness", "No line gets wider than this")
 FLOAT(line_taper, SURFACE, 0, 0, 4096, 0, 128, "px", "use_lines&edge_detector=FINE", "Taper", "Length over which a line thins out towards an end that meets no other line; 0: blunt ends")
 FLOAT(line_min_length, SURFACE, 12, 0, 4096, 0, 64, "px", "use_lines&edge_detector=FINE", "Shortest Line", "Lines that are shorter and meet no other are not drawn, but outlines, closed lines and lines drawn by hand; 0: all are")
+FLOAT(line_smooth, SURFACE, 2, 0, 64, 0, 12, "px", "use_lines&edge_detector=FINE", "Smooth Outlines", "How far lines of meshes that are shaded smooth may leave their edges, so that forms with few faces have round outlines; corners stay; 0: lines follow the edges")
 ENUM(length_unit, FRAME, 0, "", "Unit", "What a pixel of a length is",
      ITEM(length_unit, RELATIVE, 0, "px", "Lengths are for a frame 1080 pixels high and grow with the frame")
      ITEM(length_unit, PIXELS, 1, "px fixed", "Lengths are pixels of the frame")

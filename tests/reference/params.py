@@ -19,7 +19,7 @@ DEFAULTS = {
     "width_object": 1.0, "width_material": 1.0, "width_depth": 0.8, "width_normal": 0.6, "width_color": 0.6,
     "width_light": 0.5, "width_seen": 1.0, "width_mark": 1.0, "width_suggestive": 0.6, "line_depth_distance": 0.0,
     "line_depth_unit": "RELATIVE", "line_depth_most": 4.0, "line_depth_least": 0.0,
-    "line_light": 0.0, "line_taper": 0.0, "line_min_length": 12.0,
+    "line_light": 0.0, "line_taper": 0.0, "line_min_length": 12.0, "line_smooth": 2.0,
     "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
     "line_search": "EXACT", "line_density": 1.0, "line_fewer": 0.0, "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0,
     "line_tint_value": 0.35, "width_contact": 1.0, "width_intersection": 1.0,

@@ -154,8 +154,9 @@ int32_t ISA(chains_find)(fine *n)
 	code = code ? code : ISA(stations_thin_out)(&s);
 	code = code ? code : ISA(stations_give_way)(&s);
 	code = code ? code : ISA(stations_drop_fragments)(&s);
-	code = code ? code : make_sites(&s);
 	code = code ? code : ISA(chains_replace)(&s);
+	code = code ? code : ISA(stations_smooth)(&s);
+	code = code ? code : make_sites(&s);
 	late_drop(&n->f->late, s.mean);
 	late_drop(&n->f->late, s.grid.px);
 	late_drop(&n->f->late, s.grid.station);

@@ -328,7 +328,7 @@ static void hold_runs(void *data, int first, int end, int thread)
 /* Whether the way to a point may be a line in some style. */
 static bool may_be_line(const stations *s, const encre_chain_point *p)
 {
-	enum { BENDS = ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_SMOOTH };
+	enum { BENDS = ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_SMOOTH | ENCRE_CHAIN_ROUND };
 	return (p->kind & ~BENDS) || p->bend >= s->least_bend[(p->kind & ENCRE_CHAIN_SMOOTH) != 0];
 }
 

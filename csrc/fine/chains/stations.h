@@ -90,6 +90,8 @@ enum station_value { STATION_APART, STATION_KEEP };
 float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far,
 			enum station_value value);
 int32_t ISA(stations_give_way)(stations *s);
+/* smooth.c: moves those of round forms with few faces onto curves. The grid keeps where they were. */
+int32_t ISA(stations_smooth)(stations *s);
 /* replaced.c: what pixels do not make, as chains tell it. */
 int32_t ISA(chains_replace)(stations *s);
 /* fragments.c: drops what is left and spans too little. */
