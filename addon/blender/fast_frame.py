@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass, field, replace
 
+import bpy
 import numpy as np
 
 from ..pen import chains, library, metadata, saved, supersample
@@ -33,6 +34,22 @@ class Place:
         if picture is not None:
             picture = picture if picture.ndim == 3 else picture[..., None]
             out[versions.pass_name(name)] = supersample.shrink(name, picture[self.inside], self.factor)
+
+
+class Straight:
+    """The passes of a view in Blender's result, which pictures are written into at once: a result that is begun and
+    ended has each pass a second time for a moment. Where nobody watches, for no window is told of it."""
+
+    def __init__(self, engine, layer, view):
+        engine.end_result(engine.begin_result(0, 0, 1, 1, layer=layer, view=view))  # or the passes have no memory yet
+        result = engine.get_result()
+        number = [each.name for each in result.views].index(view) if view else 0
+        self.passes = {each.name: each for each in result.layers[layer].passes if each.view_id == number}
+
+    def __setitem__(self, name, picture):
+        # New passes are 0, but for depths and movements: where nobody writes they take no memory.
+        if name in self.passes and (name in ("Depth", "Vector") or picture.any()):
+            versions.write_pass(self.passes[name], picture)
 
 
 @dataclass
@@ -117,8 +134,13 @@ class FastFrames:
         return place, {name: picture for name, picture in pictures.items() if name in known}, plain
 
     def _ink(self, depsgraph, settings, read, view, place, layers, plain):
-        """Draws what a view layer is asked for and writes it: {pass: picture}."""
-        out = dict(plain)
+        """Draws what a view layer is asked for and writes it: {pass: picture}, or Straight."""
+        layer, straight = depsgraph.view_layer.name, bpy.app.background
+        out = Straight(self.engine, layer, view) if straight else dict(plain)
+        while straight and plain:  # none of which is kept
+            name, picture = plain.popitem()
+            out[name] = picture
+            del picture
         if wanted.keeps(depsgraph.scene):
             seen = _seen(layers, place.camera.view) if settings.wants_seen else {}
             drawn = layers | seen
@@ -126,6 +148,8 @@ class FastFrames:
                 place.write(out, name, saved.pack(name, drawn))
             for name, picture in layering.seen_passes(seen):
                 place.write(out, name, picture)
+                del picture
+            del seen, drawn
         asked = [*(["Combined"] if settings.active else []), *wanted.asked(depsgraph.view_layer)]
         if asked:
             drawn = library.draw(layers, settings.every, place.camera, place.large, outputs=asked,
@@ -133,7 +157,7 @@ class FastFrames:
                                  empty=versions.empty_pass)
             for name in asked:
                 place.write(out, name, drawn.images.pop(name))
-        layer, render = depsgraph.view_layer.name, depsgraph.scene_eval.render
+        render = depsgraph.scene_eval.render
         if layer not in self.stamps:  # of the first view
             own, frame = place.own, place.frame
             border = own if render.use_border and not render.use_crop_to_border else None
@@ -142,7 +166,8 @@ class FastFrames:
                                                 **wanted.beside(depsgraph.scene_eval, read, False))
         if "chains" in layers and wanted.keeps(depsgraph.scene):
             self.lines[layer, view] = chains.shrunk(layers["chains"], place.factor)
-        self._write(out, place.own, layer, view)
+        if not straight:
+            self._write(out, place.own, layer, view)
         return out
 
     def _write(self, drawn, own, layer, view):
