@@ -8,8 +8,10 @@ import textwrap
 
 from ..pen import layers
 from ..pen.errors import EncreError
-from . import images, lease, renderers, sequence
+from . import images, sequence
+from .passes import renderers
 from .progress import say
+from .sharing import lease
 
 MOST_JOBS = 256
 MOST_SAMPLES = 1 << 24  # Cycles takes no more

@@ -20,7 +20,7 @@ from collections import deque
 from pathlib import Path
 
 from ..pen.errors import EncreError
-from . import workplace
+from .sharing import workplace
 
 INSIDE = Path(__file__).with_name("inside.py")
 _CHUNK, _LOOK = 1 << 16, 0.1  # bytes read at a time; seconds between two looks at a file

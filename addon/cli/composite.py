@@ -12,7 +12,8 @@ from ..pen.job import Frame
 from ..pen.params import Chosen
 from ..pen.settings import Settings
 from ..pen.stored import known, opaque, view_layers, wanted
-from . import denoiser, images, interrupt, multilayer, png, room, substitutes
+from . import denoiser, images, interrupt, multilayer, png, room
+from .passes import substitutes
 from .view import Shown
 
 _COMPOSITED = "Composite"  # how Blender calls the compositor's picture among the view layers

@@ -17,7 +17,7 @@ from ..pen.errors import EncreError, shown
 from . import composite, images, multilayer, png, sequence
 from .child import Blender, RenderError, TryAgain, failure
 from .progress import put
-from .workplace import AT_ONCE
+from .sharing.workplace import AT_ONCE
 
 # Of a job, what a picture depends on besides the values, the scene's file and the versions. What else render() takes
 # says how to work, not what is drawn; a test asks of each option which of the two it is.

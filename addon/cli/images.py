@@ -16,8 +16,9 @@ import numpy as np
 
 from ..pen import colour, library
 from ..pen.errors import EncreError
-from . import lease, room
-from .workplace import Workplace
+from . import room
+from .sharing import lease
+from .sharing.workplace import Workplace
 
 _LINEAR = "openexr", "hdr"  # kinds of files that hold linear light
 ROWS = 64  # read at a time: whole chunks of all but DWAB files, little memory for what is not wanted of them

@@ -11,7 +11,7 @@ import sys
 
 import bpy
 
-from . import mapping
+from .farms import mapping
 
 _TILES = {"<UDIM>": r"\d{4}", "<UVTILE>": r"u\d+_v\d+"}
 

@@ -19,15 +19,19 @@ import numpy as np
 from ..pen import library, presets
 from ..pen.errors import EncreError, shown
 from ..pen.params import Chosen
-from . import crew, images, mapping, render, sequence, serve, shadows, study, submit, substitutes, tools
+from . import images, render, sequence, shadows, tools
 from .arguments import AGAIN, joined, parser, without
 from .bake import bake
 from .child import RenderError, TryAgain
+from .farms import mapping, submit
 from .frames import SERVED
-from .jobs import run as run_jobs
-from .jobs import teller
+from .passes import substitutes
 from .progress import Progress, say
 from .restyle import LEFT, check, plan, restyle, sum_up
+from .sharing import crew, serve
+from .sharing.jobs import run as run_jobs
+from .sharing.jobs import teller
+from .study import sessions
 
 
 def _changes(args, rules=()):
@@ -206,14 +210,14 @@ def _study(args):
     if len(wanted) != 1:
         raise EncreError("give a scene, --analyse DIR or --plan SHARE: one of the three")
     if args.analyse is not None:
-        print("\n".join(map(shown, study.analyse(args.analyse).splitlines())))
+        print("\n".join(map(shown, sessions.analyse(args.analyse).splitlines())))
     elif args.plan is not None:
-        print(study.planned(args.plan, args.power))
+        print(sessions.planned(args.plan, args.power))
     elif args.output is None and args.play is None:
         raise EncreError("-o is missing; name the folder for the files, one a person")
     else:
-        study.run(_scene(args), args.output, left=args.left, right=args.right,
-                  questions=[study.question(text) for text in args.questions], open_=args.open_, slider=args.slider,
+        sessions.run(_scene(args), args.output, left=args.left, right=args.right,
+                  questions=[sessions.question(text) for text in args.questions], open_=args.open_, slider=args.slider,
                   flights=args.flights.upper(), presses=args.presses, moves=args.moves, values=_changes(args),
                   size=args.size, play=args.play, blender=args.blender, say=say, verbose=args.verbose)
 

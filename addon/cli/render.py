@@ -14,11 +14,12 @@ import numpy as np
 
 from ..pen import unwrap
 from ..pen.errors import EncreError
-from . import images, lease
+from . import images
 from .child import Blender
 from .frames import Frames, todo
 from .progress import Progress
-from .workplace import Workplace
+from .sharing import lease
+from .sharing.workplace import Workplace
 
 # What may be chosen of a scene, and how it is opened; None and False: as the file has it. named: the ids in values of
 # which it is said if they change nothing; place: the folder below which a stranger's file may write, None: nowhere;

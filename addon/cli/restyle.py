@@ -10,11 +10,13 @@ from dataclasses import dataclass
 
 from ..pen import metadata
 from ..pen.errors import Cancelled, EncreError, shown
-from . import images, interrupt, lease, sequence, substitutes, workplace
+from . import images, interrupt, sequence
 from .child import RenderError, TryAgain
 from .composite import check as passes_of
 from .composite import composite, images_of
+from .passes import substitutes
 from .progress import put, say
+from .sharing import lease, workplace
 
 FAILED, DRAWN, FINISHED, LEFT, BEGUN = "failed", "drawn", "finished", "left", "begun"  # what a frame may be
 

@@ -188,7 +188,7 @@ def test_a_link_gives_way_to_the_picture(run, tmp_path, scene):
 
 def test_folders_that_go_while_others_look_for_them(tmp_path):
     """Of processes that share a folder some begin while others end."""
-    code = ("import sys; from encre.cli.workplace import Workplace\n"
+    code = ("import sys; from encre.cli.sharing.workplace import Workplace\n"
             "for _ in range(300):\n    with Workplace(sys.argv[1]):\n        pass")
     children = [subprocess.Popen([sys.executable, "-c", code, tmp_path], stderr=subprocess.PIPE, text=True)
                 for _ in range(4)]

@@ -11,7 +11,8 @@ import exr
 import numpy as np
 import pytest
 from command import OFF, SIZE, expected, fails, finish, start
-from encre.cli import composite, denoiser, multilayer, substitutes
+from encre.cli import composite, denoiser, multilayer
+from encre.cli.passes import substitutes
 from encre.pen import metadata
 from encre.pen.job import Camera, Frame
 from encre.pen.settings import Settings

@@ -14,7 +14,8 @@ from pathlib import Path
 
 import pytest
 from cube import encre, fails, left, script, works
-from encre.cli import farms, images, mapping, submit
+from encre.cli import images
+from encre.cli.farms import mapping, submit, systems
 from encre.pen.errors import EncreError
 
 ENCRE = Path(sys.executable).with_name("encre")
@@ -40,7 +41,7 @@ def test_slurm_takes_each_word_as_it_is(job, tmp_path):
     note.chmod(0o755)
     (tmp_path / "scontrol").write_text('#!/bin/sh\necho "$@" > queued\nexit 1\n')
     (tmp_path / "scontrol").chmod(0o755)
-    (tmp_path / "frames.sh").write_text(farms.slurm(job)["frames.sh"])
+    (tmp_path / "frames.sh").write_text(systems.slurm(job)["frames.sh"])
     for task, frames in enumerate(("1-3", "4,5,7", "9,11")):
         environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "SLURM_ARRAY_TASK_ID": str(task),
                        "SLURM_ARRAY_JOB_ID": "7"}
@@ -92,7 +93,7 @@ console.log(JSON.stringify(made));
 @pytest.mark.skipif(not shutil.which("node"), reason="needs node")
 def test_the_type_of_flamencos_jobs_compiles_one(job, tmp_path):
     """Against its documented API, in JavaScript; the frames' words arrive as they are."""
-    for name, text in farms.flamenco(job).items():
+    for name, text in systems.flamenco(job).items():
         (tmp_path / name).write_text(text)
     (tmp_path / "run.js").write_text(FLAMENCO)
     done = subprocess.run(["node", "run.js"], cwd=tmp_path, capture_output=True, text=True)
@@ -110,7 +111,7 @@ def test_the_type_of_flamencos_jobs_compiles_one(job, tmp_path):
 
 def test_opencues_outline_is_python(job):
     """What it hands to the library is what it was given; the library itself needs a server."""
-    made = farms.opencue(job)
+    made = systems.opencue(job)
     compile(made["outline.py"], "outline.py", "exec")
     assert repr(job.scene) in made["outline.py"] and "'#FRAME_START#-#FRAME_END#'" in made["outline.py"]
     assert made["frames.txt"].count("\n") == 2 * len(job.frames)
@@ -118,15 +119,15 @@ def test_opencues_outline_is_python(job):
 
 def test_open_job_description_checks_the_template(job, tmp_path):
     """By its own library, where that is installed; each path is a parameter, and Deadline Cloud's bundle names all."""
-    template = json.loads(farms.openjd(job)["template.json"])
+    template = json.loads(systems.openjd(job)["template.json"])
     assert job.folder not in json.dumps(template) and job.scene not in json.dumps(template)
-    bundle = farms.deadline(job)
+    bundle = systems.deadline(job)
     assert json.loads(bundle["template.json"]) == template
     assets = json.loads(bundle["asset_references.json"])["assetReferences"]
     assert assets["inputs"]["filenames"] == [job.scene, *job.inputs]
     assert assets["outputs"]["directories"] == [job.folder]
     with pytest.raises(EncreError, match="stands for a value"):
-        farms.openjd(submit.Job(**{**job.__dict__, "options": ["--set", "a={{b}}"]}))
+        systems.openjd(submit.Job(**{**job.__dict__, "options": ["--set", "a={{b}}"]}))
     model = pytest.importorskip("openjd.model")
     model.decode_job_template(template=template)
 

@@ -16,12 +16,13 @@ import exr
 import pytest
 from command import finish, start
 from cube import encre, fails, left, script, works
-from encre.cli import arguments, frames, images, lease, render, workplace
+from encre.cli import arguments, frames, images, render
+from encre.cli.sharing import lease, workplace
 from encre.pen import metadata
 
 OWNER = """
 import sys
-from encre.cli.workplace import Workplace
+from encre.cli.sharing.workplace import Workplace
 place = Workplace(sys.argv[1], seconds=float(sys.argv[2]))
 place.claim(sys.argv[3])
 print(place.name, flush=True)
@@ -37,7 +38,8 @@ class Owner:
     def __init__(self, folder, name, seconds=600.0, host="elsewhere", **options):
         command = [sys.executable, "-c", OWNER, folder, str(seconds), name]
         if host != lease.HOST:
-            command[2] = command[2].replace("place =", f"from encre.cli import lease; lease.HOST = {host!r}\nplace =")
+            named = f"from encre.cli.sharing import lease; lease.HOST = {host!r}\nplace ="
+            command[2] = command[2].replace("place =", named)
         self.child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, **options)
         self.folder = Path(folder) / self.child.stdout.readline().strip()
 
@@ -104,7 +106,7 @@ def test_which_locks_other_machines_see(mount, travels):
 
 
 def test_of_two_that_claim_at_once_one_at_most_has_it(tmp_path):
-    code = ("import sys, os, time; from encre.cli.workplace import Workplace\nplace = Workplace(sys.argv[1])\n"
+    code = ("import sys, os, time; from encre.cli.sharing.workplace import Workplace\nplace = Workplace(sys.argv[1])\n"
             "for k in range(200):\n    if place.claim(str(k)) is None:\n"
             "        os.open(f'{sys.argv[1]}/{k}.taken', os.O_CREAT | os.O_EXCL)\n        time.sleep(0.0005)\n"
             "        os.remove(f'{sys.argv[1]}/{k}.taken')\n    place.release()\n")

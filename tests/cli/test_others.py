@@ -8,7 +8,8 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from command import SIZE, expected, fails
-from encre.cli import mattes, multilayer, renderers
+from encre.cli import multilayer
+from encre.cli.passes import mattes, renderers
 
 WIDTH, HEIGHT = SIZE
 ROLES = ("Combined", "Depth", "Normal", "DiffCol", "DiffDir", "DiffInd", "IndexOB", "IndexMA")

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from encre.cli import proportions, study
+from encre.cli.study import proportions, sessions
 from encre.pen.errors import EncreError
 from encre.pen.session import Plan, Session
 
@@ -48,7 +48,7 @@ def test_the_thresholds_of_the_thesis():
 
 
 def test_the_table_of_the_thesis():
-    text = study.report(LOOKS, KEYS, THESIS)
+    text = sessions.report(LOOKS, KEYS, THESIS)
     tables = re.findall(r"(All|longest|shortest).*:\n.*\n  Convention +(\d+) +(\d+)\n  Aesthetics +(\d+) +(\d+)",
                         text)
     assert tables == [("All", "19", "30", "28", "21"), ("longest", "3", "7", "6", "4"),
@@ -60,7 +60,7 @@ def test_the_table_of_the_thesis():
 
 
 def test_a_clear_preference_is_said():
-    text = study.report(LOOKS, KEYS, people(18, 10, 20, minutes(3, 5, 20)))
+    text = sessions.report(LOOKS, KEYS, people(18, 10, 20, minutes(3, 5, 20)))
     assert re.search(r"Convention +18 of 20.*more than chance", text)
     assert re.search(r"Aesthetics +10 of 20.*p = 1.000: no difference", text)
 
@@ -114,7 +114,7 @@ def test_sessions_of_two_studies_are_not_added_up(tmp_path):
     written(tmp_path, 2)
     written(tmp_path, 2, Plan(("INK_ONLY", "PENCIL")))
     with pytest.raises(EncreError, match="sessions of different looks"):
-        study.analyse(tmp_path)
+        sessions.analyse(tmp_path)
 
 
 @pytest.mark.parametrize("args, words", [

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from encre.cli import study
+from encre.cli.study import sessions
 from encre.pen import session
 
 pytestmark = pytest.mark.slow
@@ -75,7 +75,7 @@ def test_the_file_says_what_was_done(sat):
     assert {mode for *_, mode, _ in record.track} == {"PATH", "FREE"} and record.track[-1][4] == 1.4
     assert record.seconds == pytest.approx(facts["logged"], abs=0.06)
     assert abs(len(record.track) - 2 * record.seconds) < 2
-    assert "1 session" in study.analyse(folder / "answers")
+    assert "1 session" in sessions.analyse(folder / "answers")
 
 
 def test_the_two_looks_differ_and_both_have_lines(sat):

@@ -4,7 +4,7 @@
     .venv/bin/python tests/helpers/simulate.py --nodes 1000 --frames 10000 --dying 0.01
 
 Nothing is drawn: time is an event queue's, and each node does what `encre render --resume` does with frames, claims and
-leases (addon/cli/frames.py, workplace.py). --late: seconds after which others see a new claim or picture, as on network
+leases (addon/cli/frames.py, sharing/). --late: seconds after which others see a new claim or picture, as on network
 file systems that keep what they know of a folder; --locks off: the lock of a dead machine stays held, so that only its
 lease tells.
 """

@@ -74,7 +74,8 @@ def test_a_room_of_c_names_its_files(folder):
     assert [path.stem for path in sorted(folder.glob("*.c")) if not re.search(rf"\b{path.stem}\b", text)] == []
 
 
-@pytest.mark.parametrize("folder", ["pen", "blender", "blender/panels", "blender/study", "cli"])
+@pytest.mark.parametrize("folder", ["pen", "blender", "blender/panels", "blender/study", "cli", "cli/farms",
+                                    "cli/passes", "cli/sharing", "cli/study"])
 def test_a_package_names_its_modules(folder):
     text = ast.get_docstring(ast.parse((ADDON / folder / "__init__.py").read_text(encoding="utf-8")))
     assert [path.stem for path in sorted((ADDON / folder).glob("[!_]*.py"))

@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from ..pen.errors import EncreError
+from ...pen.errors import EncreError
 
 try:
     from scipy.optimize import brentq

@@ -14,11 +14,11 @@ import subprocess
 import sys
 import time
 
-from ..pen.errors import EncreError, shown
-from . import images, sequence
-from .child import RenderError, TryAgain
+from ...pen.errors import EncreError, shown
+from .. import images, sequence
+from ..child import RenderError, TryAgain
+from ..progress import put
 from .jobs import START
-from .progress import put
 
 END, READY = "end", "ready"
 _LOOK = 2.0  # seconds between two looks whether the socket is still there

@@ -9,12 +9,13 @@ import re
 
 import numpy as np
 
-from ..pen import saved, slim
-from ..pen.colour import LUMINANCE
-from ..pen.errors import EncreError, unknown
-from ..pen.settings import Settings
-from ..pen.stored import view_layers, wanted
-from . import mattes, renderers, sequence
+from ...pen import saved, slim
+from ...pen.colour import LUMINANCE
+from ...pen.errors import EncreError, unknown
+from ...pen.settings import Settings
+from ...pen.stored import view_layers, wanted
+from .. import sequence
+from . import mattes, renderers
 
 # What --layer may name: word -> classic pass name.
 GIVEN = {"combined": "Combined", "depth": "Depth", "normal": "Normal", "color": "DiffCol", "light": "DiffDir",

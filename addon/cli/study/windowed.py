@@ -16,8 +16,9 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 def _part(name):
-    """A script beside this one, by its place."""
-    spec = importlib.util.spec_from_file_location(f"encre_{name}", os.path.join(HERE, f"{name}.py"))
+    """A script of the folder around this one's, by its place."""
+    path = os.path.join(os.path.dirname(HERE), f"{name}.py")
+    spec = importlib.util.spec_from_file_location(f"encre_{name}", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

@@ -5,12 +5,12 @@ import os
 import shutil
 from pathlib import Path
 
-from ..pen import session
-from ..pen.errors import EncreError, shown
-from ..pen.session import Question
-from .child import Blender
-from .progress import Progress, put
-from .render import CHOICES
+from ...pen import session
+from ...pen.errors import EncreError, shown
+from ...pen.session import Question
+from ..child import Blender
+from ..progress import Progress, put
+from ..render import CHOICES
 
 INSIDE = Path(__file__).with_name("windowed.py")
 

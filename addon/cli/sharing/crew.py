@@ -12,9 +12,10 @@ import tempfile
 import time
 from collections import deque
 
-from ..pen.errors import EncreError
-from . import sequence, serve
-from .child import RenderError, TryAgain
+from ...pen.errors import EncreError
+from .. import sequence
+from ..child import RenderError, TryAgain
+from . import serve
 from .jobs import rows
 from .workplace import AT_ONCE, Workplace
 

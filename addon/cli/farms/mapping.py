@@ -5,7 +5,7 @@ import json
 import re
 from pathlib import PurePosixPath, PureWindowsPath
 
-from ..pen.errors import EncreError
+from ...pen.errors import EncreError
 
 VERSION = "pathmapping-1.0"
 _KINDS = {"POSIX": PurePosixPath, "WINDOWS": PureWindowsPath}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`encre submit`: a scene's frames as a job of a farm's own system (farms.py), written into a folder or handed over."""
+"""A scene's frames as a job of a farm's own system (systems.py), written into a folder or handed over."""
 
 import json
 import os
@@ -9,11 +9,11 @@ import urllib.error
 import urllib.request
 from dataclasses import dataclass
 
-from ..pen.errors import EncreError, shown
-from . import images, sequence
-from .child import RenderError
-from .farms import FARMS
-from .progress import put
+from ...pen.errors import EncreError, shown
+from .. import images, sequence
+from ..child import RenderError
+from ..progress import put
+from .systems import FARMS
 
 TIMEOUT = 86400  # seconds for a frame, where --frame-timeout says nothing else
 

@@ -14,12 +14,12 @@ import sys
 import tempfile
 import time
 
-from ..pen.errors import shown
-from . import restyle
-from .progress import put
+from ...pen.errors import shown
+from .. import restyle
+from ..progress import put
 from .workplace import Workplace
 
-START = os.path.join(os.path.dirname(os.path.abspath(__file__)), "start.py")
+START = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "start.py")
 _LOOK = 0.1  # seconds between two looks at what other processes say
 
 

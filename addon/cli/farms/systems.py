@@ -10,9 +10,9 @@ import os
 import shlex
 from dataclasses import dataclass
 
-from ..pen.errors import EncreError
-from . import sequence
-from .arguments import AGAIN
+from ...pen.errors import EncreError
+from .. import sequence
+from ..arguments import AGAIN
 
 MOST_SLURM = 1000  # tasks of an array: what a controller takes by default
 _SOCKET = "{{Session.WorkingDirectory}}/encre.socket"
