@@ -41,7 +41,7 @@ def _widest(values):
     """How wide a line may be, in units of length: where thickness is painted, near the camera, in the dark, of the
     widest source and kind, by a pen that is pressed."""
     source = max(value for id_, value in values.items() if id_.startswith("width_"))
-    kind = max(values["width_contact"], values["width_intersection"], 1)
+    kind = max(values["width_contact"], values["width_intersection"], values["width_outer"], 1)
     near = max(values["line_depth_most"], 1) if values["line_depth_distance"] else 1
     pen = max(max(values.get(f"{pen}_width", 1), 1) * (3 if values[f"{pen}_pressure"] else 1)
               * (1 + values[f"{pen}_pool"]) for pen in pens(values))
@@ -205,7 +205,8 @@ class Settings:
                 strays = max(4 * (values[f"{pen}_wobble"] + values[f"{pen}_rough"]) + 3 * values[f"{pen}_overshoot"]
                              for pen in pens(values))
                 weighed = 60 if values["line_density"] < 1 else 0  # three nodes of its grid
-                most = max(most, min(scene["line_max_thickness"], _widest(values)) / 2 + strays + weighed)
+                kept = max(values["line_gap"], values["line_halo"])
+                most = max(most, min(scene["line_max_thickness"], _widest(values)) / 2 + strays + weighed, kept + 3)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
             if values["use_wash"]:

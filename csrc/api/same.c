@@ -32,6 +32,9 @@ static void put_style(writer *w, const encre_params *p, bool light)
 #include "edges/edges.rows.h"
 	put(w, &p->line_min_length, sizeof p->line_min_length);
 	put(w, &p->line_smooth, sizeof p->line_smooth);
+	put(w, &p->line_gap, sizeof p->line_gap);
+	put(w, &p->line_halo, sizeof p->line_halo);
+	put(w, &p->use_lines, sizeof p->use_lines);
 	if (light) {
 #include "surface/shade.rows.h"
 	}

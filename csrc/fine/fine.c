@@ -142,6 +142,14 @@ static bool gives_way(const fine *n)
 	       n->e->on[SOURCE_MARK];
 }
 
+static bool keeps_away(const fine *n)
+{
+	bool any = false;
+	for (int i = 0; i < n->f->n_styles; i++)
+		any |= n->f->params[i].line_gap > 0 || n->f->params[i].line_halo > 0;
+	return any && has_chains(n);
+}
+
 static bool may_crowd(const fine *n)
 {
 	return n->e->on[SOURCE_COLOR] || n->e->on[SOURCE_LIGHT];
@@ -203,6 +211,8 @@ static const pass passes[] = {
 	{"drop rungs", gives_way, ISA(fine_drop_rungs), LAYERS | FOUND | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"slender", NULL, ISA(fine_slender), LAYERS | CRACKS | FOUND | PLACED | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT | PLACED, NULL},
+	{"keep away", keeps_away, ISA(chains_keep_away), LAYERS | CHAINS | FOUND | PLACED | CELLS | KEPT | LINKS,
+	 PLACED | KEPT | LINKS, BROKEN(links)},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
 	{"even eased", knows_contours, ISA(fine_even_eased), LAYERS | FOUND | PLACED | KEPT | LINKS, PLACED, NULL},

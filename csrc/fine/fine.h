@@ -159,6 +159,10 @@ typedef struct chain_site {
 	float along, gap; /* as in encre_chain_point */
 	bool folded;      /* a contour behind which the same thing goes on */
 	bool tied;        /* an end that meets something */
+	float depth;
+	int32_t object;
+	float keeps_away, halo, beyond; /* pixels about it free of lines, and of anything, that lie deeper than the
+					   last */
 } chain_site;
 
 typedef struct fine {
@@ -352,6 +356,8 @@ int32_t ISA(chains_find)(fine *n);
 int32_t ISA(chains_leave)(fine *n);
 /* Links their sites. */
 int32_t ISA(chains_link)(fine *n);
+/* gaps.c: drops lines that pass behind outlines, near these. */
+int32_t ISA(chains_keep_away)(fine *n);
 
 /* ---- join ------------------------------------------------------------------------------------------------ */
 

@@ -126,6 +126,8 @@ typedef struct capsules {
 /* tips.c makes them, capsules.c draws them. */
 int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all);
 void ISA(capsules_draw)(const capsules *all, canvas *c);
+/* halo.c: covers what lies behind outlines, around these, in the picture. */
+int32_t ISA(halos_draw)(frame *f);
 /* widths.c: evens half the widths at all sites along their lines; another block of memory takes the place of theirs. */
 int32_t ISA(capsules_even)(frame *f, float **radius);
 

@@ -151,8 +151,15 @@ enum line ISA(line_of)(const frame *f, const site *s)
 	}
 }
 
-float ISA(line_width)(const encre_params *p, enum line kind)
+/* Px by which an outline lies before what is behind it, from which on it is an outer one, and wholly. */
+static const float outer_from = 24, outer_full = 96;
+
+float ISA(line_width)(const frame *f, const encre_params *p, const site *s, enum line kind)
 {
+	if (kind == LINE_OUTLINE && is_chain(s)) {
+		float gap = chain_of(f->fine, s)->gap / f->scale;
+		return mix(1, p->width_outer, clamp01((gap - outer_from) / (outer_full - outer_from)));
+	}
 	return kind == LINE_CONTACT ? p->width_contact : kind == LINE_INTERSECTION ? p->width_intersection : 1;
 }
 

@@ -379,6 +379,10 @@ static int32_t run(frame *f)
 	lines *l = f->lines;
 	int32_t code = ENCRE_OK;
 	if (f->any.use_lines && f->fine)
+		code = ISA(halos_draw)(f);
+	if (code)
+		return code;
+	if (f->any.use_lines && f->fine)
 		code = ISA(capsules_gather)(f, l->canvas.owner != NULL, &l->capsules);
 	else if (f->any.use_lines)
 		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs)

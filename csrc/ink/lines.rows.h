@@ -7,6 +7,10 @@ FLOAT(line_max_thickness, FRAME, 128, 0, 4096, 1, 512, "px", "use_lines", "Maxim
 FLOAT(line_taper, SURFACE, 0, 0, 4096, 0, 128, "px", "use_lines&edge_detector=FINE", "Taper", "Length over which a line thins out towards an end that meets no other line; 0: blunt ends")
 FLOAT(line_min_length, SURFACE, 12, 0, 4096, 0, 64, "px", "use_lines&edge_detector=FINE", "Shortest Line", "Lines that are shorter and meet no other are not drawn, but outlines, closed lines and lines drawn by hand; 0: all are")
 FLOAT(line_smooth, SURFACE, 2, 0, 64, 0, 12, "px", "use_lines&edge_detector=FINE", "Smooth Outlines", "How far lines of meshes that are shaded smooth may leave their edges, so that forms with few faces have round outlines; corners stay; 0: lines follow the edges")
+FLOAT(line_gap, SURFACE, 0, 0, 256, 0, 24, "px", "use_lines&edge_detector=FINE", "Gap Behind Outlines", "How far from an outline the lines end that pass behind it, so that a figure stands out from its ground; 0: they run into it")
+FLOAT(line_halo, SURFACE, 0, 0, 256, 0, 24, "px", "use_lines&edge_detector=FINE", "Halo", "Width of a gutter around outlines, in which nothing is seen of what lies behind; 0: none")
+COLOR(line_halo_color, SURFACE, 1, 1, 1, "use_lines&edge_detector=FINE&line_halo", "Halo Color", "Color of the gutter: that of paper, or of light around a figure")
+FLOAT(width_outer, SURFACE, 1, 0, FLT_MAX, 0, 4, "", "use_lines&edge_detector=FINE", "Outer Contour", "Thickness of outlines behind which nothing is near, as a share of Outline Width: heavier around a figure than within it")
 ENUM(length_unit, FRAME, 0, "", "Unit", "What a pixel of a length is",
      ITEM(length_unit, RELATIVE, 0, "px", "Lengths are for a frame 1080 pixels high and grow with the frame")
      ITEM(length_unit, PIXELS, 1, "px fixed", "Lengths are pixels of the frame")

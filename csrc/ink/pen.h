@@ -62,7 +62,7 @@ uint32_t ISA(pens_strokes)(const pens *s);
 
 enum line ISA(line_of)(const frame *f, const site *s);
 /* The factor on the width of its source. */
-float ISA(line_width)(const encre_params *p, enum line kind);
+float ISA(line_width)(const frame *f, const encre_params *p, const site *s, enum line kind);
 /* Does the ink depend on more than the style? */
 bool ISA(inks_by_site)(const encre_params *p);
 /* The first ink of a line's site. */

@@ -60,10 +60,10 @@ static pen_end pen_end_of(const gather *g, const site *made, uint8_t *whose)
 	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
 		return e;
 	const pens *all = g->pens + (pen.p - f->params);
-	if (all->differ || pen.p->width_contact != 1 || pen.p->width_intersection != 1) {
+	if (all->differ || pen.p->width_contact != 1 || pen.p->width_intersection != 1 || pen.p->width_outer != 1) {
 		enum line kind = ISA(line_of)(f, made);
 		*whose = all->of[kind];
-		pen.radius = min(pen.radius * ISA(line_width)(pen.p, kind) * all->hand[*whose].pen_width,
+		pen.radius = min(pen.radius * ISA(line_width)(f, pen.p, made, kind) * all->hand[*whose].pen_width,
 				 0.5f * f->params->line_max_thickness * f->scale);
 	}
 	const hand *h = all->hand + *whose;

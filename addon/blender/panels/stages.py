@@ -54,6 +54,8 @@ GROUPS = (
               Fold("small", n_("Small and Crowded Lines"), (
                   "line_min_length", "color_length", "light_length", "seen_length", "suggestive_length",
                   "suggestive_scale", "line_density", "line_fewer")),
+              Fold("outlines", n_("Outlines and Gaps"), (
+                  "line_smooth", "width_outer", "line_gap", "line_halo", "line_halo_color")),
               Fold("far", n_("Near and Far"), (
                   "line_depth_distance", "line_depth_unit", "line_depth_most", "line_depth_least",
                   "line_max_thickness")),

@@ -76,9 +76,12 @@ static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
 			   .edge = t->edge,
 			   .along = t->along,
 			   .gap = t->gap,
+			   .depth = t->depth,
+			   .object = t->object,
 			   .kind = t->kind,
 			   .folded = t->importance == IMPORTANCE_CONTOUR && is_folded(t),
 			   .tied = (t->flags & STATION_TIED) != 0};
+	ISA(gap_of)(s, t, of);
 }
 
 /* Of two sites, or of one and none. */

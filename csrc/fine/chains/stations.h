@@ -92,6 +92,8 @@ float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t 
 int32_t ISA(stations_give_way)(stations *s);
 /* smooth.c: moves those of round forms with few faces onto curves. The grid keeps where they were. */
 int32_t ISA(stations_smooth)(stations *s);
+/* gaps.c: how far an outline keeps off what lies behind it; of a place on its edge. */
+void ISA(gap_of)(const stations *s, const station *t, chain_site *of);
 /* replaced.c: what pixels do not make, as chains tell it. */
 int32_t ISA(chains_replace)(stations *s);
 /* fragments.c: drops what is left and spans too little. */
