@@ -76,8 +76,8 @@ build/pack/wheels: build/pack/ready
 release: build/pack/wheels
 	ENCRE_WEBSITE=$(WEBSITE) build/pack/bin/python tools/wheels.py
 
-.venv/wheels: .venv/ready
-	PYTHONWARNINGS=ignore $(RUN) -m pip install -q -e ".[wheels]"
+.venv/long: .venv/ready
+	PYTHONWARNINGS=ignore $(RUN) -m pip install -q -e ".[wheels,farm]"
 	@touch $@
 
 # One process more than there are cores: tests wait now and then. What their slow twins find is kept (build/kept), and
@@ -96,7 +96,7 @@ test-all: libraries
 	$(PYTEST) --dist loadfile --no-loadscope-reorder -m "slow and not long" --ignore tests/unit/test_fuzz.py
 	ENCRE_FUZZ_SECONDS=$${ENCRE_FUZZ_SECONDS:-120} $(RUN) -m pytest -q -m "slow and not long" tests/unit/test_fuzz.py
 
-test-long: build .venv/wheels $(if $(filter bpy==4.5%,$(BPY)),blenders)
+test-long: build .venv/long $(if $(filter bpy==4.5%,$(BPY)),blenders)
 	$(RUN) -m pytest -q
 
 # Other versions of Blender for test-long; blender on PATH is tested as well. 5.2 wants a Python of its own: without it

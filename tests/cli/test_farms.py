@@ -136,7 +136,7 @@ OPENJD = shutil.which("openjd", path=os.pathsep.join([str(ENCRE.parent), os.envi
 
 
 @pytest.mark.long
-@pytest.mark.skipif(not OPENJD, reason="needs openjd-cli")
+@pytest.mark.skipif(not OPENJD, reason="needs openjd-cli: pip install -e .[farm]")
 def test_open_job_description_runs_24_frames_in_one_blender(cube, tmp_path):
     works(encre("submit", cube, "-o", tmp_path / "out" / "f.png", "-f", "1-24", "--farm", "openjd", "--job",
                 tmp_path / "job", "--encre", ENCRE, "--samples", "2"))

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import exr
+import kills
 import pytest
 from command import finish, start
 from cube import encre, fails, left, script, works
@@ -35,11 +36,11 @@ for line in sys.stdin:
 class Owner:
     """Another process with a claim: it renews the lease when it is told to. host: what its folder is called after."""
 
-    def __init__(self, folder, name, seconds=600.0, host="elsewhere", **options):
-        command = [sys.executable, "-c", OWNER, folder, str(seconds), name]
+    def __init__(self, folder, name, seconds=600.0, host="elsewhere", before=(), **options):
+        command = [*before, sys.executable, "-c", OWNER, folder, str(seconds), name]
         if host != lease.HOST:
             named = f"from encre.cli.sharing import lease; lease.HOST = {host!r}\nplace ="
-            command[2] = command[2].replace("place =", named)
+            command[len(before) + 2] = OWNER.replace("place =", named)
         self.child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, **options)
         self.folder = Path(folder) / self.child.stdout.readline().strip()
 
@@ -178,6 +179,37 @@ def test_a_file_lasts_before_it_gets_its_name(tmp_path, monkeypatch):
         made.write_bytes(b"picture")
         place.take("1.png", tmp_path / "1.png")
     assert done == [str(made), "named", str(tmp_path)]
+
+
+def machine(name):
+    """What a command begins with to run as another host: names, processes and network of its own."""
+    return [*kills.ALONE, "sh", "-c", f'hostname {name} && exec "$@"', "sh"]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("unshare") or subprocess.run(
+    [*machine("tried"), "true"], stderr=subprocess.DEVNULL).returncode != 0, reason="needs the right to unshare")
+def test_a_machine_takes_over_what_others_hang_on_or_died_of(tmp_path, scene):
+    """Three hosts in namespaces of their own: one hangs and loses its lease, though its lock stays held; one is killed
+    with a fresh lease; the third draws both frames, and is done only then."""
+    one = exr.write(tmp_path / "in.1.exr", exr.passes(scene))
+    for frame in 2, 3:
+        os.link(one, tmp_path / f"in.{frame}.exr")
+    out = tmp_path / "out"
+    out.mkdir()
+    command = [*machine("draws"), sys.executable, "-m", "encre", "composite", tmp_path / "in.#.exr", "-o",
+               out / "o.#.png", "--resume", "--set=light_denoise=NONE"]
+    with Owner(out, "o.1.png", host=lease.HOST, before=machine("hangs")) as hung, \
+            Owner(out, "o.2.png", host=lease.HOST, before=machine("dies")) as dead:
+        assert hung.folder.name.startswith(".encre-hangs-") and dead.folder.name.startswith(".encre-dies-")
+        dead.dies()
+        first = subprocess.run([*command, "--no-wait"], capture_output=True, text=True, timeout=120)
+        assert first.returncode == 75 and "o.1.png is being drawn by another process" in first.stderr
+        assert sorted(path.name for path in out.glob("o.*")) == ["o.2.png", "o.3.png"]
+        hung.ages(600)
+        then = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        assert then.returncode == 0 and hung.child.poll() is None
+        assert all(images.whole(out / f"o.{frame}.png") for frame in (1, 2, 3))
 
 
 # In renders
