@@ -125,7 +125,8 @@ def test_open_job_description_checks_the_template(job, tmp_path):
     assert json.loads(bundle["template.json"]) == template
     assets = json.loads(bundle["asset_references.json"])["assetReferences"]
     assert assets["inputs"]["filenames"] == [job.scene, *job.inputs]
-    assert assets["outputs"]["directories"] == [job.folder]
+    assert assets["outputs"]["directories"] == [str(tmp_path), job.folder]  # the film's first
+    assert {"name": "Film", "value": job.film} in json.loads(bundle["parameter_values.json"])["parameterValues"]
     with pytest.raises(EncreError, match="stands for a value"):
         systems.openjd(submit.Job(**{**job.__dict__, "options": ["--set", "a={{b}}"]}))
     model = pytest.importorskip("openjd.model")
@@ -138,13 +139,16 @@ OPENJD = shutil.which("openjd", path=os.pathsep.join([str(ENCRE.parent), os.envi
 @pytest.mark.long
 @pytest.mark.skipif(not OPENJD, reason="needs openjd-cli: pip install -e .[farm]")
 def test_open_job_description_runs_24_frames_in_one_blender(cube, tmp_path):
+    """And where there is ffmpeg, it makes a film of them."""
+    film = ["--film", tmp_path / "f.mp4"] if shutil.which("ffmpeg") else []
     works(encre("submit", cube, "-o", tmp_path / "out" / "f.png", "-f", "1-24", "--farm", "openjd", "--job",
-                tmp_path / "job", "--encre", ENCRE, "--samples", "2"))
-    given = "-p", f"file://{tmp_path}/job/parameters.json", "--step", "Render"
+                tmp_path / "job", "--encre", ENCRE, "--samples", "2", *film))
+    given = "-p", f"file://{tmp_path}/job/parameters.json"
     done = subprocess.run([OPENJD, "run", tmp_path / "job" / "template.json", *given], capture_output=True, text=True)
     assert done.returncode == 0 and left(tmp_path / "out") == [f"f{k:04}.png" for k in range(1, 25)], done.stdout
     assert done.stdout.count("asks are answered") == 1 and done.stdout.count("openjd_progress: 100.00") >= 24
     assert all(images.whole(path) for path in (tmp_path / "out").iterdir())
+    assert not film or b"ftyp" in film[1].read_bytes()[:16]
 
 
 RULES = {"version": "pathmapping-1.0", "path_mapping_rules": [

@@ -52,8 +52,7 @@ def openjd(job):
         steps.append({"name": "Film", "dependencies": [{"dependsOn": "Render"}], "script": {
             "embeddedFiles": [{"name": "Frames", "type": "TEXT", "filename": "frames.txt",
                                "data": _listed(job, "{{Param.Out}}/")}],
-            "actions": {"onRun": {"command": "ffmpeg", "args": _film(job, "{{Task.File.Frames}}",
-                                                                     "{{Param.Out}}/" + os.path.basename(job.film))}}}})
+            "actions": {"onRun": {"command": "ffmpeg", "args": _film(job, "{{Task.File.Frames}}", "{{Param.Film}}")}}}})
     template = {
         "specificationVersion": "jobtemplate-2023-09", "name": job.name[:64],
         "parameterDefinitions": [
@@ -61,10 +60,16 @@ def openjd(job):
             {"name": "Out", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "OUT"},
             {"name": "Frames", "type": "STRING", "default": sequence.listed(job.frames).replace(" ", "")},
             {"name": "Encre", "type": "STRING", "default": job.encre,
-             "description": "the command encre on the machines that render"}],
+             "description": "the command encre on the machines that render"},
+            *([{"name": "Film", "type": "PATH", "objectType": "FILE", "dataFlow": "OUT"}] if job.film else [])],
         "steps": steps}
     # No path may stand in a template: each machine has its own.
-    return {"template.json": _text(template), "parameters.json": _text({"Scene": job.scene, "Out": job.folder})}
+    return {"template.json": _text(template), "parameters.json": _text(_places(job))}
+
+
+def _places(job):
+    """The parameters that are paths."""
+    return {"Scene": job.scene, "Out": job.folder, **({"Film": job.film} if job.film else {})}
 
 
 def _plain(word):
@@ -77,11 +82,12 @@ def _plain(word):
 def deadline(job):
     """A bundle for AWS Deadline Cloud: the template as it is, and what to carry along."""
     return {"template.json": openjd(job)["template.json"], "parameter_values.json": _text({"parameterValues": [
-        {"name": "Scene", "value": job.scene}, {"name": "Out", "value": job.folder},
+        *({"name": name, "value": path} for name, path in _places(job).items()),
         {"name": "deadline:maxRetriesPerTask", "value": job.retries}]}),
         "asset_references.json": _text({"assetReferences": {
             "inputs": {"filenames": [job.scene, *job.inputs], "directories": []},
-            "outputs": {"directories": [job.folder]}, "referencedPaths": []}})}
+            "outputs": {"directories": sorted({job.folder, *filter(None, [os.path.dirname(job.film)])})},
+            "referencedPaths": []}})}
 
 
 def slurm(job):
@@ -203,7 +209,7 @@ def _film(job, listed, film):
 
 FARMS = {
     "openjd": Farm(openjd, lambda folder: ["openjd", "run", os.path.join(folder, "template.json"), "-p",
-                                             f"file://{os.path.join(folder, 'parameters.json')}", "--step", "Render"]),
+                                             f"file://{os.path.join(folder, 'parameters.json')}"]),
     "slurm": Farm(slurm, lambda folder: ["sh", os.path.join(folder, "submit.sh")]),
     "flamenco": Farm(flamenco, lambda folder: None, "copy encre.js into the folder scripts of the Manager, once"),
     "deadline": Farm(deadline, lambda folder: ["deadline", "bundle", "submit", folder]),
