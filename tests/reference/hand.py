@@ -292,7 +292,7 @@ def inks(t, layers, params, ink, half, picture):
     unit = params.pixels(layers.full_height)
     even, second = _second(t, _dark(t, layers, params, half, picture), half, unit)
     spared = np.minimum(half, 0.25 * (1 - site["thin"]) / np.maximum(site["crowd"], 1e-12))
-    bare = clamp01(1.5 * _evened(t, _bare(t, layers, params, half, picture), half, unit)) * (site["crowd"] > 0)
+    bare = clamp01(1.5 * _evened(t, _bare(t, layers, params, half, picture), half, unit, site["crowd"] > 0, {}))
     spared = mix(half, spared, bare * (1 - even) * share)
     wide = second * np.maximum(params.at("ink_dark_width", style), np.minimum(1, 0.5 / np.maximum(spared, 1e-12)))
     wide = wide * np.where(colored(site), params.at("ink_dark_colors", style), 1)
@@ -353,8 +353,8 @@ def _bare(t, layers, params, half, picture):
     return out
 
 
-def _along(t, i, step):
-    """(site, how far on) each way from i, by steps up to a sum of 1."""
+def _along(t, i, step, after):
+    """(site, how far on) each way from i, by steps up to a sum of 1; after: what onward() has said."""
     for first in t.links[i]:
         before, at, far = i, first, 0.0
         while at is not None and at != i and not t.dropped[at]:
@@ -362,15 +362,17 @@ def _along(t, i, step):
             if far >= 1:
                 break
             yield at, far
-            before, at = at, onward(t, before, at)
+            if (before, at) not in after:
+                after[before, at] = onward(t, before, at)
+            before, at = at, after[before, at]
 
 
-def _evened(t, values, half, unit):
-    """The mean of what is told along each line, over two widths of it each way."""
+def _evened(t, values, half, unit, sites, after):
+    """The mean of what is told along each line, over two widths of it each way, at some of the sites."""
     even = np.zeros(len(t))
-    for i in np.flatnonzero(~t.dropped):
+    for i in np.flatnonzero(sites & ~t.dropped) if (values > 0).any() else ():
         reach = max(4 * half[i], 2 * unit)
-        near = [(i, 0.0), *_along(t, i, lambda a, b, reach=reach: t.apart(a, b) / reach)]
+        near = [(i, 0.0), *_along(t, i, lambda a, b, reach=reach: t.apart(a, b) / reach, after)]
         near = [(values[k], 1 - far) for k, far in near if not np.isnan(values[k])]
         even[i] = np.average([v for v, _ in near], weights=[w for _, w in near]) if near else 0
     return even
@@ -379,10 +381,10 @@ def _evened(t, values, half, unit):
 def _second(t, dark, half, unit):
     """How dark it is along each line, and how far that has swollen since it took the second ink: what is dark is evened
     over two widths of it each way, and no line gets wider than its full width over four."""
-    full = np.maximum(8 * half, 6 * unit)
-    even = np.where(dark > 0, clamp01(2 * _evened(t, dark, half, unit) - 1), 0)
+    full, after = np.maximum(8 * half, 6 * unit), {}
+    even = np.where(dark > 0, clamp01(2 * _evened(t, dark, half, unit, dark > 0, after) - 1), 0)
     swollen = even.copy()
-    for i in np.flatnonzero(~t.dropped):
-        for at, far in _along(t, i, lambda a, b: 2 * t.apart(a, b) / (full[a] + full[b])):
+    for i in np.flatnonzero(~t.dropped) if even.any() else ():
+        for at, far in _along(t, i, lambda a, b: 2 * t.apart(a, b) / (full[a] + full[b]), after):
             swollen[at] = min(swollen[at], even[i] + far)
     return even, swollen

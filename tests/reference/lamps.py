@@ -8,7 +8,7 @@ import numpy as np
 
 
 def dot(a, b):
-    return (a * b).sum(-1)
+    return np.einsum("...k,...k", a, b)
 
 
 def unit(a):

@@ -70,14 +70,13 @@ class World:
     def meet(self, origin, way, which, least=1e-6):
         """(distance in units of `way`, inf for none; u; v), (rays, triangles), of rays (n, 3)."""
         a, e, f = self.points[which, 0], *(self.points[which, k] - self.points[which, 0] for k in (1, 2))
-        p = np.cross(way[:, None], f)
+        # The triple products of Moeller and Trumbore, of which each is linear in the ray: products of matrices.
+        across = np.cross(origin, way)
         with np.errstate(all="ignore"):
-            det = (e * p).sum(-1)
-            to = origin[:, None] - a
-            u = (to * p).sum(-1) / det
-            q = np.cross(to, e)
-            v = (way[:, None] * q).sum(-1) / det
-            t = (f * q).sum(-1) / det
+            det = -way @ np.cross(e, f).T
+            u = (across @ f.T - way @ np.cross(f, a).T) / det
+            v = (way @ np.cross(e, a).T - across @ e.T) / det
+            t = (origin @ np.cross(e, f).T - (np.cross(e, f) * a).sum(1)) / det
             hit = (u >= 0) & (v >= 0) & (u + v <= 1) & (t > least)
         return np.where(hit, t, np.inf), u, v
 

@@ -4,6 +4,8 @@
 Sites are rows of a table; links are lists of neighbours by site. Every function gives what should be found, and of
 which answers float32 may give another: where two numbers are closer than rounding, one of which had to be larger."""
 
+import math
+
 import numpy as np
 
 FAMILIES = ("crack", "thin", "mark", "crease", "normal_band", "normal", "color_band", "color", "valley",
@@ -65,7 +67,7 @@ class Table:
         return run
 
     def apart(self, i, j):
-        return float(np.hypot(*(self.at[i] - self.at[j])))
+        return math.dist(self.at[i], self.at[j])
 
 
 # What a family may keep: what is clear of the older ones by 1.5 pixels, a step by 2 of a band in the same layer, a
@@ -370,18 +372,15 @@ def _crowd(t, shape, scale, rank, turns):
     near, doubt = {}, set()
     for i in counts:
         ahead_axis = 1 if t.axis[i] == COLUMN else 0
-        nexts, lean = [reach, reach], _lean(t, i, ahead_axis)
-        for j in counts:
-            gap = t.at[j] - t.at[i]
-            aside = gap[1 - ahead_axis]
-            ahead = (gap[ahead_axis] + lean * aside) / np.hypot(1, lean)
-            back = t.axis[i] == t.axis[j] and t.step[i] @ t.step[j] < 0
-            least, most = (1, 4) if back else (1.75, 1.5)
-            if 0 < abs(abs(ahead) - least) < CLOSE or 0 < abs(abs(aside) - most) < CLOSE:
-                doubt.add(i)
-            if abs(ahead) > least and abs(aside) <= most:
-                nexts[int(ahead > 0)] = min(nexts[int(ahead > 0)], abs(ahead))
-        room = max(nexts)
+        lean, gap = _lean(t, i, ahead_axis), t.at[counts] - t.at[i]
+        aside = np.abs(gap[:, 1 - ahead_axis])
+        ahead = (gap[:, ahead_axis] + lean * gap[:, 1 - ahead_axis]) / np.hypot(1, lean)
+        back = (t.axis[counts] == t.axis[i]) & (t.step[counts] @ t.step[i] < 0)
+        least, most = np.where(back, 1, 1.75), np.where(back, 4, 1.5)
+        off = np.abs([np.abs(ahead) - least, aside - most])
+        doubt |= {i} if ((off > 0) & (off < CLOSE)).any() else set()
+        there = (np.abs(ahead) > least) & (aside <= most)
+        room = max(np.abs(ahead[there & side]).min(initial=reach) for side in (ahead > 0, ahead <= 0))
         stripe = FAMILIES[t.family[i]] in ("color_band", "light_band")
         near[i] = 1 / (room / (2 - room / reach) if stripe else room)
         back, open_ = turns(*(int(t.site[name][i]) for name in ("row", "column", "axis")))
@@ -391,15 +390,13 @@ def _crowd(t, shape, scale, rank, turns):
     for i in counts:  # of 4 pixels each way
         pixel = np.clip(np.floor(t.at[i] + 0.5), 0, (shape[1] - 1, shape[0] - 1)).astype(int) // 4
         cells.setdefault(tuple(pixel), []).append(i)
+    places = 4 * np.array([*cells], float).reshape(-1, 2) + 1.5
+    sums = np.array([[sum(near[j] for j in members), len(members)] for members in cells.values()]).reshape(-1, 2)
     bound = np.zeros(len(t))
     for i in counts:
         if t.dropped[i]:
             continue
-        total = weights = 0
-        for (cx, cy), members in cells.items():
-            share = np.prod(np.maximum(0, 1 - np.abs(np.array([4 * cx + 1.5, 4 * cy + 1.5]) - t.at[i]) / spread))
-            total += share * sum(near[j] for j in members)
-            weights += share * len(members)
+        total, weights = np.prod(np.maximum(0, 1 - np.abs(places - t.at[i]) / spread), 1) @ sums
         mean = weights / total
         bound[i] = (1 - mean / reach) / (0.25 * (mean - gone if mean > gone else 1e-6))
     return bound, doubt
