@@ -14,7 +14,7 @@ from encre.pen.background import Background
 from encre.pen.errors import EncreError
 from encre.pen.installed import LIBRARY
 from encre.pen.job import Frame, Lamp, Mesh
-from encre.pen.library import Library
+from encre.pen.library import Library, load
 from encre.pen.scene import Scene
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -124,6 +124,7 @@ def test_each_refused_once(library, job, settings, what):
 NEEDS_COUNT = pytest.mark.skipif(not hasattr(ctypes.CDLL(None), "mallinfo2"), reason="needs glibc's count of memory")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sources", [
     pytest.param(name, marks=pytest.mark.long if name == "default sources" else ()) for name in bench.SOURCES])
 @NEEDS_COUNT
@@ -135,6 +136,7 @@ def test_fine_holds_at_most_12_bytes_a_pixel(sources):
     assert bench.held_bytes(layers, settings) <= 12 * width * height
 
 
+@pytest.mark.slow
 @NEEDS_COUNT
 @pytest.mark.parametrize("look", [
     pytest.param(look, marks=() if look == "Inter-color, SOBEL" else pytest.mark.long) for look in bench.LOOKS])
@@ -143,3 +145,22 @@ def test_looks_hold_at_most_12_bytes_a_pixel(look):
     width, height = 1920, 1080
     layers = bench.balls(width, height, bench.CELL["with colour and light" if "colour" in look else "default sources"])
     assert bench.held_bytes(layers, bench.LOOKS[look][0]) <= 12 * width * height
+
+
+@NEEDS_COUNT
+def test_new_memory_has_a_pattern_while_the_library_runs_and_no_longer():
+    libc, found = ctypes.CDLL(None), []
+    libc.malloc.restype, libc.malloc.argtypes = ctypes.c_void_p, [ctypes.c_size_t]
+    libc.free.argtypes = [ctypes.c_void_p]
+
+    def look(*_):
+        at = libc.malloc(5000)
+        found.append(ctypes.string_at(at, 5000) == b"\x70" * 5000)
+        ctypes.memset(at, 1, 5000)
+        libc.free(at)
+        return True
+
+    load().render(drawn.scene(20, 10, n=3), {}, progress=look)
+    assert found and all(found)
+    look()
+    assert not found[-1]
