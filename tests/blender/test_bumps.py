@@ -2,6 +2,7 @@
 """Bumps, and where patterns lie on what modifiers deform, in layers that Encre draws without Cycles."""
 
 import numpy as np
+import pytest
 
 
 def inside(labels):
@@ -11,6 +12,7 @@ def inside(labels):
     return np.all([padded[y:y + height, x:x + width] == labels for y in range(3) for x in range(3)], 0)
 
 
+@pytest.mark.slow
 def test_bumps_turn_light_as_cycles_has_it(render):
     shot = render("bumps")
     theirs, ours, flat, long = (shot.passes(name) for name in ("cycles", "encre", "flat", "long"))

@@ -159,6 +159,7 @@ def test_settings_are_read_once(render):
     assert render("read_once").facts["evaluated"] == [[False, True]]
 
 
+@pytest.mark.slow
 def test_memory_of_a_frame(render):
     """numpy counts its pictures with Python's memory. At most there are the 16 layers and what they are put together
     from; pictures that nobody asked for are not made. (In one so low the strips of even() are nearly all of it.)"""
@@ -412,6 +413,7 @@ def test_freestyle_and_bake(render):
     assert np.array_equal(shot.passes("before")["Combined"], shot.passes("after")["Combined"])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("blender"), reason="needs the program blender")
 def test_nothing_is_left_of_what_passes_for_meshes():
     script = Path(__file__).parent / "inside" / "left.py"

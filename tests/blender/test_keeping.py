@@ -6,7 +6,7 @@ from pathlib import Path
 import blenders
 import pytest
 
-EVERY = [pytest.param(name, marks=() if name in ("bpy", "blender") else pytest.mark.long)
+EVERY = [pytest.param(name, marks={"bpy": (), "blender": pytest.mark.slow}.get(name, pytest.mark.long))
          for name in blenders.commands()]
 OURS = list((Path(__file__).parents[2] / "addon" / "presets").glob("*.json"))
 

@@ -40,6 +40,7 @@ def test_things_of_all_kinds_are_where_cycles_has_them(render):
         assert (turned > 0.98).mean() > 0.85, number  # Cycles averages at folds
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["color", "picture", "share"])
 def test_a_world_lights_things_as_cycles_has_it(render, name):
     """What nothing stands before: only so is Cycles' light without the shadows that light from all sides throws."""

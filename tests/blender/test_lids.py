@@ -4,6 +4,8 @@
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.slow
+
 MIDDLES = (333, 183, 195), (305, 190, 190), (358, 165, 135)  # of the eye, (x, y), and how far nothing else is
 INKED, ASIDE, LINE = 0.12, 3, 7  # ink; pixels along the line; pixels in which its ink lies
 

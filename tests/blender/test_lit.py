@@ -81,6 +81,7 @@ def test_the_world_s_light_is_kept_from_corners_as_in_cycles(render):
     assert np.abs(plain["Encre Diffuse"][lit] - np.float32((0.3, 0.5, 0.8))).max() < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["atmosphere", "preetham", "hosek", "picture", "gradient", "tinted"])
 def test_skies_light_as_in_cycles(render, name):
     shot = render("skies")
@@ -174,6 +175,7 @@ def crossings(light, level, where):
     return np.concatenate(found)
 
 
+@pytest.mark.slow
 def test_an_edge_of_cycles_light_is_where_the_shadow_ends(render):
     shot = render("shadow")
     if "Open Image Denoise is not there" in shot.output:
@@ -194,6 +196,7 @@ def test_an_edge_of_cycles_light_is_where_the_shadow_ends(render):
     assert len(off) > 60 and np.percentile(off, 95) < 0.2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [5, 15, 30, 60])
 def test_a_level_of_soft_cycles_light_ends_in_one_curve(render, share):
     """Of a wide shadow, at 16 samples: what the denoiser leaves would fill and outline crumbs."""

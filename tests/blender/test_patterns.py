@@ -2,8 +2,10 @@
 """Patterns that Encre computes are Cycles'."""
 
 import numpy as np
+import pytest
 
 
+@pytest.mark.slow
 def test_cells_as_cycles_has_them(render):
     """Each card: a Voronoi texture of another kind. Of colours some pixels lie on the other side of an edge."""
     shot = render("cells")

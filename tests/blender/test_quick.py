@@ -121,6 +121,7 @@ def measured(light, where):
     return light.sum(), np.array(middle), 2 * np.sqrt(bright.sum() / np.pi)
 
 
+@pytest.mark.slow
 def test_highlights_are_where_cycles_has_them_and_as_large_and_bright(render):
     shot = render("highlights")
     for kind in ("SUN", "POINT", "SPOT", "AREA"):
@@ -136,6 +137,7 @@ def test_highlights_are_where_cycles_has_them_and_as_large_and_bright(render):
                 assert abs(wide - width) < 0.05 * width + 0.5, (kind, number, wide, width)
 
 
+@pytest.mark.slow
 def test_normal_maps_turn_light_as_cycles_has_it(render):
     shot = render("normal_maps")
     theirs, ours, flat = (shot.passes(name) for name in ("cycles", "encre", "flat"))
@@ -153,6 +155,7 @@ def test_normal_maps_turn_light_as_cycles_has_it(render):
     assert count > 2500 and sides == 2 and apart < 1e-3 and same
 
 
+@pytest.mark.slow
 def test_hair_is_where_cycles_has_it(render):
     shot = render("hair")
     theirs, ours, bald = (shot.passes(name) for name in ("cycles", "encre", "bald"))
@@ -193,6 +196,7 @@ def test_what_is_not_shown_is_said_in_two_lines(render):
     assert things == ["Fog (a volume)"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [50, pytest.param(500, marks=pytest.mark.long)])
 def test_renders_hold_no_more_and_more_memory(render, count):
     facts = render("many", **({"ENCRE_RENDERS": str(count)} if count > 50 else {})).facts

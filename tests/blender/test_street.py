@@ -11,6 +11,8 @@ from encre.cli import composite, multilayer
 from encre.pen import layers, library, metadata, saved
 from encre.pen.settings import Settings
 
+pytestmark = pytest.mark.slow
+
 STREET = Path(__file__).parents[2] / "scenes" / "street.py"
 
 

@@ -22,6 +22,7 @@ def test_what_surfaces_receive_tells_shade(render):
     assert 0 < shade < 0.1 * light, "under a sky shade is seen as shade"
 
 
+@pytest.mark.slow
 def test_the_distance_of_what_the_picture_is_about(render):
     facts = {name: values[0] for name, values in render("distances").facts.items()}
     assert facts["nothing"] == 0

@@ -2,11 +2,13 @@
 """`supersample`: the larger layers are those of a larger render, and what is saved is their mean."""
 
 import numpy as np
+import pytest
 from encre.cli import multilayer
 from encre.cli.composite import composite
 from encre.pen import library, metadata, supersample
 
 
+@pytest.mark.slow
 def test_layers_are_those_of_a_larger_render(render):
     facts = render("larger").facts
     assert len(facts) >= 10
@@ -62,6 +64,7 @@ def test_the_next_render_is_as_ever(render):
     assert list(shot.folder.glob("stereo*.exr"))
 
 
+@pytest.mark.slow
 def test_lines_keep_their_width(render):
     facts = render("supersampled_widths").facts
     for unit in ("PIXELS", "RELATIVE"):

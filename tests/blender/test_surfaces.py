@@ -48,6 +48,7 @@ def test_what_lets_light_through_at_random_leaves_no_crumbs(render):
     assert len(np.unique(boards["Encre Index"][..., 0][cut])) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method, source, weight", [("DISPLACEMENT", "AUTO", 0), ("DISPLACEMENT", "LAYERS", 0),
                                                     ("BUMP", "AUTO", 1)])
 def test_what_materials_displace_has_creases(render, method, source, weight):
@@ -56,6 +57,7 @@ def test_what_materials_displace_has_creases(render, method, source, weight):
     assert ((line[1:] & ~line[:-1]).sum(0) == 3).all()
 
 
+@pytest.mark.slow
 def test_bumps_have_creases_where_they_are_asked_for_only(render):
     assert not ink(render("displaced").passes("BUMP AUTO 0"))[:, 40:280].any()
 

@@ -3,6 +3,7 @@
 the frame."""
 
 import numpy as np
+import pytest
 
 # What Encre draws another way: what is half clear is there or not, and what is unknown has a sentence.
 SAID = {"beside what is unknown", "fog"}
@@ -20,6 +21,7 @@ def squares(shot, first):
     return {name: found for name, (found,) in facts[[name for name, _ in facts].index(first):]}
 
 
+@pytest.mark.slow
 def test_any_output_may_be_linked_to_any_input(render):
     found = squares(render("links"), "colour to surface")
     assert len(found) > 40
@@ -82,6 +84,7 @@ def test_pictures_have_the_alpha_and_the_space_of_colours_that_cycles_gives_them
     assert found["STRAIGHT False 0"][1] == [0, 0, 0], "under what is clear nothing is"
 
 
+@pytest.mark.slow
 def test_no_tree_of_nodes_ends_the_frame(render):
     facts = render("any_trees").facts
     assert facts["wrong"] == [{}] and facts["kinds"][0] > 90

@@ -192,6 +192,7 @@ def test_uniform_on_an_obj(run, tmp_path, png):
     assert np.abs(stored(tmp_path / "out.png") - want).max() < 4e-3
 
 
+@pytest.mark.slow
 def test_uniform_on_a_blend(run, tmp_path, png):
     bpy = pytest.importorskip("bpy")
     script = ("import bpy; bpy.ops.wm.read_factory_settings(use_empty=True); bpy.ops.mesh.primitive_cylinder_add(); "

@@ -297,6 +297,7 @@ def test_all_view_layers_are_drawn(run, tmp_path, scene):
     assert "is drawn" not in run("composite", path, "-o", tmp_path / "o.png", "--view-layer", "Two")[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ending", "change", "most"), [("exr", {}, 189), ("exr", {"edge_seen": 0.0}, 161),
                                                         ("png", {}, 143)])
 def test_memory_of_composite(tmp_path, monkeypatch, ending, change, most):

@@ -222,6 +222,7 @@ def holds(pid, path):
     return False
 
 
+@pytest.mark.slow
 def test_interrupting_composite(tmp_path):
     path = exr.write(tmp_path / "in.exr", exr.passes(drawn.scene(1280, 720)))
     child = start("composite", path, "-o", tmp_path / "out.exr", "--threads", "1")

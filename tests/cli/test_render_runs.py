@@ -29,7 +29,7 @@ def test_frames_and_resume(cube, tmp_path):
     assert left(tmp_path / "new") == ["f0004.png", "f_03.png", "f_04.png"]
 
 
-@pytest.mark.parametrize("ending", ["png", "exr"])
+@pytest.mark.parametrize("ending", ["png", pytest.param("exr", marks=pytest.mark.slow)])
 def test_resume_leaves_alone_what_is_whole_and_made_from_the_same(cube, tmp_path, ending):
     out = tmp_path / f"f_##.{ending}"
     works(encre("render", cube, "-o", out, "-f", "3-6,8"))
@@ -102,6 +102,7 @@ bpy.app.handlers.render_write.append(remove)
 """
 
 
+@pytest.mark.slow
 def test_a_frame_that_hangs_or_crashes(tmp_path):
     path = script(tmp_path, FAILING)
     command = ["render", path, "-o", tmp_path / "f.png", "-f", "1-5", "--frame-timeout", "15"]
@@ -124,6 +125,7 @@ def test_a_frame_that_hangs_or_crashes(tmp_path):
     assert "frame 6: the folder that it was written into is gone" in result.stderr and left(gone) == ["f0007.png"]
 
 
+@pytest.mark.slow
 def test_two_processes_share_a_sequence(cube, tmp_path):
     """No frame is missing, and none is rendered by both."""
     command = [sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "f.png", "-f", "1-12", "--resume"]
@@ -135,6 +137,7 @@ def test_two_processes_share_a_sequence(cube, tmp_path):
     assert left(tmp_path) == [f"f{k:04}.png" for k in range(1, 13)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [5, pytest.param(100, marks=[pytest.mark.long, pytest.mark.timeout(1800)])])
 def test_killed_at_random(cube, tmp_path, count):
     """Parent or child is killed; then --resume makes every frame whole, and no process, folder or file is left."""
@@ -196,7 +199,7 @@ while word := line.hear():
 """
 
 
-@pytest.mark.parametrize("word", ["hang", "look", None])
+@pytest.mark.parametrize("word", ["look", *(pytest.param(word, marks=pytest.mark.slow) for word in ("hang", None))])
 def test_what_runs_inside_ends_with_the_line(tmp_path, word):
     """While it is told nothing, works or hangs; and what it is told between two works does not end it."""
     (tmp_path / "script.py").write_text(INSIDE)
@@ -233,7 +236,8 @@ def test_a_full_disk(cube, tmp_path):
     assert left(tmp_path) == ["out.exr"] and out.read_bytes() == b"old"
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("number", [
+    signal.SIGINT, *(pytest.param(number, marks=pytest.mark.slow) for number in (signal.SIGTERM, signal.SIGHUP))])
 def test_interrupt(cube, tmp_path, number):
     child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
                               "1280x720", "--samples", "4000", "--threads", "1"], stderr=subprocess.PIPE, text=True)
@@ -248,6 +252,7 @@ def test_interrupt(cube, tmp_path, number):
     assert bytes(tmp_path) not in running, "Blender runs on"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options, number", [
     (("--size", "64x36"), None), (("--size", "1280x720", "--threads", "1"), signal.SIGTERM)])
 def test_nothing_stays_among_the_temporary_files(cube, tmp_path, options, number):

@@ -289,7 +289,7 @@ def test_against_the_reference(seed):
     assert (np.abs(got["creases"] - want) > 1e-3).any(2).mean() < 0.001
 
 
-@pytest.mark.parametrize("degrees", [0, 90])
+@pytest.mark.parametrize("degrees", [0, pytest.param(90, marks=pytest.mark.slow)])
 def test_at_every_distance_from_a_border(degrees):
     """A bend in what is round: what goes on beyond the border is guessed from the other side."""
     turns = np.r_[np.full(12, 3.0), 26, 26, np.full(12, 3.0)]

@@ -18,7 +18,8 @@ def place_of_contacts(scene, filter):
 
 
 @pytest.mark.parametrize("filter", ["centre", pytest.param("box", marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", ["boxes", "roof", "parallel"])
+@pytest.mark.parametrize("name", [
+    "boxes", *(pytest.param(name, marks=pytest.mark.slow) for name in ("roof", "parallel"))])
 def test_things_that_touch_have_their_line_where_they_do(name, filter):
     """Of one sample a pixel colours and normals tell nothing but whose the pixel is: stairs, p95 0.31 to 0.36."""
     place = place_of_contacts(scenes.NAMED[name](), filter)

@@ -25,8 +25,9 @@ def fold(degrees, depth=30.0, **more):
                 np.int32([(0, 1, 2), (0, 2, 3), (1, 4, 5), (1, 5, 2)]), **more)
 
 
-@pytest.mark.parametrize("projection", [perspective, orthographic])
-@pytest.mark.parametrize("surfaces", [0, 25])
+@pytest.mark.parametrize("projection, surfaces", [
+    (orthographic, 0), (perspective, 25),
+    *(pytest.param(*case, marks=pytest.mark.slow) for case in ((perspective, 0), (orthographic, 25)))])
 def test_against_the_reference(projection, surfaces):
     rng = np.random.default_rng(5 + surfaces)
     meshes = [crumpled(rng), crumpled(rng)] + ([soup(rng, surfaces)] if surfaces else [])
@@ -50,7 +51,7 @@ def split(mesh, whole=0):
                 object_index=mesh.object_index)
 
 
-@pytest.mark.parametrize("whole", [0, 7])
+@pytest.mark.parametrize("whole", [pytest.param(0, marks=pytest.mark.slow), 7])
 def test_points_that_were_split_make_no_difference(whole):
     rng = np.random.default_rng(8)
     camera, frame = (looking(rng), perspective(67, 45)), Frame(67, 45)

@@ -12,7 +12,8 @@ from judge.told import ToldMeshes, joined
 from reference import near
 
 LONG = {"sphere", "boxes", "roof", "horizon", "patches", 12}  # what the others show too
-SCENES = [pytest.param(name, marks=pytest.mark.long) if name in LONG else name for name in [*scenes.NAMED, 11, 12]]
+SCENES = [pytest.param(name, marks=pytest.mark.long if name in LONG else () if name == "parallel" else pytest.mark.slow)
+          for name in [*scenes.NAMED, 11, 12]]
 
 
 def scene_of(name):
@@ -192,7 +193,8 @@ def test_unfair_ink_differs(contours):
     assert measure.differs(measure.ideal(shifted(contours, 0.3)), t) > 0.002
 
 
-@pytest.mark.parametrize("name", ["boxes", "terminators", "parallel"])
+@pytest.mark.parametrize("name", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("boxes", "terminators")),
+                                  "parallel"])
 def test_layers_agree_with_the_truth(name):
     """Wherever two pixels of a row have another index a contour runs between them."""
     scene = scene_of(name)

@@ -27,6 +27,7 @@ def test_ink_and_lines_are_the_same_at_every_size(name):
     assert other[50] < 0.01 and other[200] < 0.01 and other[25] < 0.2, other  # a pixel there is four wide here
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", relative())
 def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
     """Where colours differ by about what makes an edge it takes little to make a line, or none."""

@@ -54,7 +54,8 @@ def cut(t, truth, margin=6):
 
 
 @pytest.mark.parametrize("name, filter", [
-    pytest.param(name, filter, marks=() if (filter == "box") == (name in ("boxes", "roof")) else pytest.mark.long)
+    pytest.param(name, filter, marks=pytest.mark.long if (filter == "box") != (name in ("boxes", "roof"))
+                 else pytest.mark.slow if name in ("patches", "roof") else ())
     for name in ("boxes", "patches", "roof", "sphere") for filter in ("box", "blackman")])
 def test_a_mirror_shows_the_lines_of_what_is_in_it(name, filter):
     scene = scenes.NAMED[name]()

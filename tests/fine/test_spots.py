@@ -3,6 +3,7 @@
 
 import numpy as np
 import pages
+import pytest
 from judge import kinds, verdict
 from judge.camera import look
 from judge.scenes import turned
@@ -26,6 +27,7 @@ def places():
                      for i in range(9) for j in range(5)])
 
 
+@pytest.mark.slow
 def test_spots_fade_as_they_shrink():
     ink = []
     for radius in np.arange(1, 2.6, 0.25):

@@ -2,6 +2,7 @@
 """The Blenders at hand, and what they rendered."""
 
 import functools
+import importlib.util
 import json
 import os
 import secrets
@@ -181,15 +182,10 @@ def encre(blender, folder, *args):
     return done.stderr
 
 
-@functools.cache
-def _bpy_here():
-    return subprocess.run([sys.executable, "-c", "import bpy"], capture_output=True).returncode == 0
-
-
 def params():
     """The test's own bpy is part of every run, other Blenders of the long one; without bpy, the program."""
     names = list(commands())
-    if not _bpy_here():
+    if not importlib.util.find_spec("bpy"):
         names.remove("bpy")
     params = [name if k == 0 else pytest.param(name, marks=pytest.mark.long) for k, name in enumerate(names)]
     if OTHERS.is_dir() and NEWEST not in names:  # the others were made

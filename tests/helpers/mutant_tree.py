@@ -112,8 +112,8 @@ class Copy:
     def _pytest(self, arguments):
         import pytest
         with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere), contextlib.redirect_stderr(nowhere):
-            return pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly", "-m", "not long",
-                                *arguments])
+            return pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-p", "no:randomly",
+                                "-m", "not slow and not long", *arguments])
 
     def fails(self, number, selections):
         """The tests that notice the mutant of this number, or None."""

@@ -137,6 +137,7 @@ def held():
     return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="needs Linux's /proc")
 def test_only_the_last_meshes_are_kept():
     rng = np.random.default_rng(22)

@@ -178,7 +178,11 @@ def case(name):
     return ALL[name]()
 
 
-@pytest.mark.parametrize("name", ALL)
+OF_LITTLE_MORE = "within", "level tube", "small ball", "rims, ball", "holes, drawn out"
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in OF_LITTLE_MORE else ())
+                                  for name in ALL])
 def test_as_the_twin_draws_it(name):
     # A narrow cone is a small difference of floats.
     alike(case(name).got(), case(name).want, 0.01 if name == "narrow grid" else 3e-6)

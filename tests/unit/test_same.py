@@ -19,9 +19,9 @@ LOOKS = {"FINE": {}, "FINE, all sources": dict(edge_light=1.0, edge_color=0.7, e
 OUTPUTS = ("Combined", "Encre Lines")
 
 
-def layers_of(seed=0):
-    layers = scene(WIDTH, HEIGHT, n=12, seed=seed)
-    layers["style"][20:40] = 1
+def layers_of(width=WIDTH, height=HEIGHT):
+    layers = scene(width, height, n=12)
+    layers["style"][height // 3:2 * height // 3] = 1
     layers["seen_color"], layers["seen_normal"] = layers["albedo"], -layers["normal"]
     return layers
 
@@ -56,7 +56,7 @@ def test_whatever_changes_the_picture_is_that_of_a_fresh_context():
     """Each parameter that there is, one after the other, in one context; what a fresh one draws with it, and with the
     first values again."""
     for name, look in LOOKS.items():
-        layers, behind, base, kept = layers_of(), Background(2), load().complete(load().check(look))[0], 0
+        layers, behind, base, kept = layers_of(48, 32), Background(2), load().complete(load().check(look))[0], 0
         want = draw(Background(2), layers, look)
         for p in load().params.values():
             value = other(p, base[p.id])

@@ -85,6 +85,7 @@ def test_obj(tmp_path):
     assert np.abs(unwrap.form(mesh, 8, 8) - (4, 0, 0.25)).max() < 1e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("surface", [widths.Cylinder(), widths.Sphere()], ids=lambda s: s.name)
 def test_uniform_lines_are_as_wide_everywhere(surface):
     texture = widths.spotted(surface)
