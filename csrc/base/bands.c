@@ -2,6 +2,9 @@
 /* Bands of rows on a small pool of threads. Bands are handed out by an atomic counter, so who does which band varies,
  * but a kernel writes only the rows of its band: results do not. The calling thread works too, and it alone reports
  * progress, so that a callback may be any single-threaded code. */
+#if defined __linux__
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier): its name; for processors that this process may have */
+#endif
 #include "base/bands.h"
 
 #include <pthread.h>
@@ -106,6 +109,11 @@ int bands_processors(void)
 #if defined _WIN32 /* its sysconf() is the threads' own library */
 	return pthread_num_processors_np();
 #else
+#if defined __linux__ /* farms and containers give a process some of a machine's */
+	cpu_set_t own;
+	if (sched_getaffinity(0, sizeof own, &own) == 0)
+		return CPU_COUNT(&own);
+#endif
 	return (int)sysconf(_SC_NPROCESSORS_ONLN);
 #endif
 }

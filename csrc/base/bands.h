@@ -11,7 +11,7 @@ typedef struct bands bands;
 /* Works on rows y0..y1-1 and writes only these. thread is 0..bands_threads()-1, for per-thread scratch. */
 typedef void (*bands_kernel)(void *data, int y0, int y1, int thread);
 
-/* How many threads this machine runs at once; less than 1 where it does not say. */
+/* How many threads this process may run at once; less than 1 where the machine does not say. */
 int bands_processors(void);
 /* NULL without memory. Threads that can't be started are done without. */
 bands *bands_create(int threads);

@@ -2,8 +2,12 @@
 """Works in the background: the same bytes as at once, one after the other, and well-defined ends."""
 
 import ctypes
+import os
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import drawn
 import numpy as np
@@ -281,3 +285,28 @@ def test_the_fraction_grows_to_the_end():
     assert lib.encre_poll(context, ctypes.byref(fraction)) == 0 and fraction.value == 1
     lib.encre_destroy(context)
     assert seen == sorted(seen) and 0.5 < max(seen) <= 1 and len(set(seen)) > 5
+
+
+THREADS = """
+import os, sys
+import drawn
+from encre.pen import library
+most, layers = [], drawn.scene(96, 64)
+for threads in 0, 3:
+    now = len(os.listdir("/proc/self/task"))
+    if not threads:
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    seen = []
+    library.render(layers, {}, threads=threads, progress=lambda _: seen.append(len(os.listdir("/proc/self/task"))) or 1)
+    most.append(max(seen) - now)
+assert most == [0, 2], most
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system gives a process all processors")
+def test_a_process_that_has_some_processors_begins_no_more_threads():
+    """As farms and containers share machines out."""
+    path = os.pathsep.join(map(str, (Path(__file__).parents[1] / "helpers", Path(__file__).parents[1])))
+    done = subprocess.run([sys.executable, "-c", THREADS], env={**os.environ, "PYTHONPATH": path},
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

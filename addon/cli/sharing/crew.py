@@ -16,7 +16,7 @@ from ...pen.errors import EncreError
 from .. import sequence
 from ..child import RenderError, TryAgain
 from . import serve
-from .jobs import rows
+from .jobs import processors, rows
 from .workplace import AT_ONCE, Workplace
 
 _LOOK = 0.05  # seconds between two looks at what other processes say
@@ -69,7 +69,7 @@ def _heard(hands):
 def run(argv, frames, jobs, threads, keep_going, wait, progress):
     """Runs the command line `argv`, which names no frames, in as many processes. frames: as render() has them. Raises
     EncreError, RenderError, TryAgain."""
-    share = [] if threads else ["--threads", str(max(1, (os.cpu_count() or 1) // jobs))]
+    share = [] if threads else ["--threads", str(max(1, processors() // jobs))]
     said = set()
     with contextlib.ExitStack() as stack:
         folder, hands = stack.enter_context(Workplace(tempfile.gettempdir(), "encre-")).path, []

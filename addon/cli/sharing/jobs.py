@@ -32,10 +32,15 @@ def teller(path, whole):
     return tell
 
 
+def processors():
+    """How many this process may have of the machine's."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def run(argv, layers, whole, jobs, threads, keep_going, heard):
     """Runs the command line `argv` in as many processes, each with its share of the frames `whole` of `layers`, passes
     on what they say, once where all say it, and tells heard(frame, state, words) what becomes of frames."""
-    more = [] if threads else ["--threads", str(max(1, (os.cpu_count() or 1) // jobs))]
+    more = [] if threads else ["--threads", str(max(1, processors() // jobs))]
     with contextlib.ExitStack() as stack:
         folder = stack.enter_context(Workplace(tempfile.gettempdir(), "encre-")).path
         chorus, children = _Chorus(layers), []
