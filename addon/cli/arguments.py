@@ -261,6 +261,9 @@ def parser():
     command.add_argument("--chunk", metavar="N", type=_count, default=1, help="frames of a task (default: 1)")
     command.add_argument("--retries", metavar="N", type=_count, default=5,
                          help="times that a task is tried again which may succeed then (default: 5)")
+    command.add_argument("--cpus", metavar="N", type=_count, default=0,
+                         help="processors that a task asks for, of openjd, deadline and slurm")
+    command.add_argument("--memory", metavar="GB", type=_count, default=0, help="and its memory")
     command.add_argument("--film", metavar="FILM", type=_ending(".mp4", ".mov", ".mkv", ".webm"),
                          help="at the end have ffmpeg put the .png files together")
     command.add_argument("--encre", metavar="COMMAND", default="encre",

@@ -126,9 +126,12 @@ def _options(args):
 def _submit(args):
     if args.film and not args.output.lower().endswith(".png"):
         raise EncreError(f"--film takes .png files, and {args.output} is none; end its name in .png")
+    if (args.cpus or args.memory) and args.farm in ("flamenco", "opencue"):
+        raise EncreError(f"--cpus and --memory are nothing that a job of {args.farm} says here; set them there")
     frames, progress = _frames(args), Progress(say)
     work = render.planned(args.scene, args.output, frames, progress=progress, **_options(args))
-    own = {"submit": 0, "farm": 1, "job": 1, "run": 0, "chunk": 1, "retries": 1, "film": 1, "encre": 1, "f": 1,
+    own = {"submit": 0, "farm": 1, "job": 1, "run": 0, "chunk": 1, "retries": 1, "film": 1, "cpus": 1,
+           "memory": 1, "encre": 1, "f": 1,
            "frame": 1, "s": 1, "start": 1, "e": 1, "end": 1, "o": 1, "output": 1}
     options = [word for word in without(args.argv[1:], **own) if word != args.scene]
     stem = os.path.splitext(os.path.basename(args.scene))[0]
@@ -139,7 +142,7 @@ def _submit(args):
         name=f"encre-{stem}", encre=args.encre, scene=os.path.abspath(args.scene),
         out=os.path.abspath(sequence.pattern(args.output)), frames=list(work.todo), options=options,
         inputs=work.ready["inputs"], fps=work.ready["fps"], place=place, chunk=args.chunk, retries=args.retries,
-        film=os.path.abspath(args.film) if args.film else "", **seconds), args.run)
+        film=os.path.abspath(args.film) if args.film else "", cpus=args.cpus, memory=args.memory, **seconds), args.run)
 
 
 def _ask(args):

@@ -27,7 +27,8 @@ def job(tmp_path):
     return submit.Job(name="encre-it's", encre="encre", scene=str(tmp_path / "a b" / "it's.blend"),
                       out=str(tmp_path / "out dir" / "it's.####.png"), frames=[1, 2, 3, 4, 5, 7, 9, 11],
                       options=["--set", "line_color=1, 0,0", "--samples", "4"], inputs=[str(tmp_path / "wood.png")],
-                      fps=24, place=str(tmp_path / "job"), chunk=3, film=str(tmp_path / "it's.mp4"))
+                      fps=24, place=str(tmp_path / "job"), chunk=3, film=str(tmp_path / "it's.mp4"), cpus=8,
+                      memory=6)
 
 
 def test_chunks(job):
@@ -41,7 +42,9 @@ def test_slurm_takes_each_word_as_it_is(job, tmp_path):
     note.chmod(0o755)
     (tmp_path / "scontrol").write_text('#!/bin/sh\necho "$@" > queued\nexit 1\n')
     (tmp_path / "scontrol").chmod(0o755)
-    (tmp_path / "frames.sh").write_text(systems.slurm(job)["frames.sh"])
+    text = systems.slurm(job)["frames.sh"]
+    assert "#SBATCH --cpus-per-task=8\n#SBATCH --mem=6G\n" in text
+    (tmp_path / "frames.sh").write_text(text)
     for task, frames in enumerate(("1-3", "4,5,7", "9,11")):
         environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "SLURM_ARRAY_TASK_ID": str(task),
                        "SLURM_ARRAY_JOB_ID": "7"}
@@ -121,6 +124,8 @@ def test_open_job_description_checks_the_template(job, tmp_path):
     """By its own library, where that is installed; each path is a parameter, and Deadline Cloud's bundle names all."""
     template = json.loads(systems.openjd(job)["template.json"])
     assert job.folder not in json.dumps(template) and job.scene not in json.dumps(template)
+    assert template["steps"][0]["hostRequirements"] == {"amounts": [{"name": "amount.worker.vcpu", "min": 8},
+                                                                     {"name": "amount.worker.memory", "min": 6144}]}
     bundle = systems.deadline(job)
     assert json.loads(bundle["template.json"]) == template
     assets = json.loads(bundle["asset_references.json"])["assetReferences"]

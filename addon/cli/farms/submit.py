@@ -21,7 +21,8 @@ TIMEOUT = 86400  # seconds for a frame, where --frame-timeout says nothing else
 @dataclass(frozen=True)
 class Job:
     """What a farm must know. scene, out and place (the folder of the job's files) are absolute; out has # for the
-    frame's number; options: more of `encre render`; chunk: frames of a task; timeout, opening: seconds."""
+    frame's number; options: more of `encre render`; chunk: frames of a task; timeout, opening: seconds; cpus, memory:
+    what a task asks of its machine, processors and gigabytes, 0: nothing."""
 
     name: str
     encre: str
@@ -35,6 +36,8 @@ class Job:
     chunk: int = 1
     retries: int = 5
     film: str = ""
+    cpus: int = 0
+    memory: int = 0
     timeout: int = TIMEOUT
     opening: int = TIMEOUT
 

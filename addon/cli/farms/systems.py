@@ -48,6 +48,9 @@ def openjd(job):
         "script": {"actions": {"onRun": {
             "command": "{{Param.Encre}}", "timeout": job.timeout, "cancelation": stop,
             "args": ["ask", _SOCKET, "-f", "{{Task.Param.Frame}}", "--progress", "openjd"]}}}}]
+    asked = {"amount.worker.vcpu": job.cpus, "amount.worker.memory": 1024 * job.memory}  # MiB
+    if amounts := [{"name": name, "min": least} for name, least in asked.items() if least]:
+        steps[0]["hostRequirements"] = {"amounts": amounts}
     if job.film:
         steps.append({"name": "Film", "dependencies": [{"dependsOn": "Render"}], "script": {
             "embeddedFiles": [{"name": "Frames", "type": "TEXT", "filename": "frames.txt",
@@ -94,7 +97,9 @@ def slurm(job):
     """An array of tasks; what is worth another try, or was lost with a node, is queued again."""
     chunks = job.chunks(-(-len(job.frames) // MOST_SLURM))
     head = ["#!/bin/bash", f"#SBATCH --job-name={shlex.quote(job.name)}", f"#SBATCH --array=0-{len(chunks) - 1}",
-            "#SBATCH --requeue", "#SBATCH --open-mode=append", "#SBATCH --output=%x.%a.log"]
+            "#SBATCH --requeue", "#SBATCH --open-mode=append", "#SBATCH --output=%x.%a.log",
+            *([f"#SBATCH --cpus-per-task={job.cpus}"] if job.cpus else []),
+            *([f"#SBATCH --mem={job.memory}G"] if job.memory else [])]
     render = ["render", job.scene, "-o", job.out, "--resume", *job.options]
     text = "\n".join([
         *head, f"chunks=({' '.join(map(shlex.quote, chunks))})",
@@ -104,14 +109,15 @@ def slurm(job):
         '\tscontrol requeue "${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}" && sleep 60', "fi;;", "esac", "exit $status",
         ""])
     files = {"frames.sh": text}
-    submit = 'job=$(sbatch --parsable frames.sh) && echo "$job"'
+    submit = 'job=$(sbatch --parsable "$@" frames.sh) && echo "$job"'
     if job.film:
         files["frames.txt"] = _listed(job, job.folder + "/")
         files["film.sh"] = "\n".join(["#!/bin/bash", f"#SBATCH --job-name={shlex.quote(job.name)}-film",
                                       "#SBATCH --output=%x.log",
                                       shlex.join(["ffmpeg", *_film(job, "frames.txt", job.film)]), ""])
         submit += ' && sbatch --parsable --dependency="afterok:$job" film.sh'
-    files["submit.sh"] = f"#!/bin/sh\n# Hands the job over to Slurm.\nset -e\ncd \"$(dirname \"$0\")\"\n{submit}\n"
+    files["submit.sh"] = "\n".join(["#!/bin/sh", "# Hands the job over to Slurm; more words are options of sbatch.",
+                                    "set -e", 'cd "$(dirname "$0")"', submit, ""])
     return files
 
 
