@@ -210,7 +210,7 @@ typedef struct encre_camera {
 	float view[9];        /* rotation world -> camera, row by row: of length 1, at right angles; may be mirrored */
 	int32_t orthographic; /* 0 or 1 */
 	float height;         /* orthographic: height of the full frame in scene units, > 0 */
-	float distance;       /* perspective: depth of what the picture is about, which a relative line_depth_distance
+	float distance;       /* perspective: depth of what the picture is about, which a relative line_far_distance
 				 is a multiple of; 0: not known, and that is in scene units */
 	float light; /* with shade_meter LAMPS: diffuse light that is full light, 1; 0: not known, and light is as it
 			is */
@@ -631,7 +631,7 @@ ENCRE_API int32_t encre_material(encre_context *context, encre_material_job *job
 /* ---- baking ---------------------------------------------------------------------------------------------- */
 
 /* Lines where colours meet, drawn into a texture. Of `params`, one block, these count: line_thickness in texels,
- * contrast_metric, contrast_threshold, contrast_max, contrast_auto and contrast_window in texels. */
+ * contrast_metric, contrast_threshold, contrast_full, contrast_local and contrast_window in texels. */
 typedef struct encre_bake_job {
 	encre_image texture; /* 3 or 4 channels; a fourth is kept as it is */
 	/* 3 channels, or absent: how long a step is on the surface. A step of x texels to the right and y down has the

@@ -104,7 +104,7 @@ def by_every_preset(folder, size):
     """The scene that is drawn with each preset, from one frame; its part of the page."""
     frame, pictures = folder / f"{SHOWN}-fast.exr", []
     encre("render", ROOT / "scenes" / f"{SHOWN}.py", "-o", frame, "--size", size, "--preset", "ink_only", "--set",
-          "layer_source=ENCRE", "--set", "save_layers=ON", "--set", "save_anchor=ON", "--resume")
+          "layer_source=ENCRE", "--set", "save_layers=ON", "--set", "save_rest=ON", "--resume")
     for preset in presets():
         picture = f"{SHOWN}-{preset.id.replace('_', '-')}-fast"
         full = folder / f"{picture}.png"
@@ -119,7 +119,7 @@ def thumbnails(folder):
     frames of full size."""
     frame, full = folder / "thumbnails.exr", folder / "thumbnails.png"
     encre("render", ROOT / "scenes" / "toys.py", "-o", frame, "--size", "1920x1080", "--samples", 4, "--set",
-          "save_anchor=ON", "--resume")
+          "save_rest=ON", "--resume")
     for preset in presets():
         encre("composite", frame, "-o", full, "--preset", preset.id)
         small = resized(oiio.ImageBuf(str(full)).get_pixels(oiio.FLOAT)[160:920, 580:1340, :3], THUMBNAIL, "box")

@@ -316,7 +316,7 @@ def lines():
     encre = getattr(bpy.context.scene, "encre", None)
     if encre:
         bpy.ops.encre.preset(preset="inter_color")
-        encre.width_object, encre.width_depth, encre.width_normal = 0.8, 0.6, 0.5
+        encre.line_outline_width, encre.line_inner_width, encre.line_crease_width = 0.8, 0.6, 0.5
 
 
 def build():

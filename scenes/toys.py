@@ -60,7 +60,7 @@ def jack(material):
 
 
 def cushion(material):
-    """Folds that run from a button and end in the cloth, where line_taper lifts the pen."""
+    """Folds that run from a button and end in the cloth, where pen_1_taper lifts the pen."""
     size, steps = 0.9, 12
     grid = [(size * (i / steps - 0.5), size * (j / steps - 0.5)) for j in range(steps + 1) for i in range(steps + 1)]
 

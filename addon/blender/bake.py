@@ -273,7 +273,7 @@ class ENCRE_OT_fit_contrast(bpy.types.Operator):
         if not greatest:
             self.report({"ERROR"}, "The scene shows no image with different colors; give a material an image texture")
             return {"CANCELLED"}
-        context.scene.encre.contrast_max = greatest
+        context.scene.encre.contrast_full = greatest
         self.report({"INFO"}, f"Full Contrast is {greatest:.3f}, the strongest contrast in {name}")
         return {"FINISHED"}
 

@@ -17,26 +17,29 @@ from .languages import OURS, n_
 # Of lines: (name, tooltip, parameters that are all above 0 where they are drawn, others that go with them).
 TOGGLES = {
     "outlines": (n_("Outlines"), "Lines between an object and what is behind or beside it: its contour",
-                 ("edge_object", "width_object"), ()),
+                 ("line_outline_strength", "line_outline_width"), ()),
     "contacts": (n_("Contacts"), "Outlines where an object touches another one; their width is a share of that of "
-                 "outlines", ("width_contact",), ()),
+                 "outlines", ("line_contact_width",), ()),
     "inner": (n_("Inner"), "Inner lines: where one part of a thing hides another, and folds of smooth forms",
-              ("edge_depth", "width_depth"), ("edge_suggestive",)),
+              ("line_inner_strength", "line_inner_width"), ("line_suggestive_strength",)),
     "creases": (n_("Creases"), "Lines where a surface bends by Crease Angle or more",
-                ("edge_normal", "width_normal"), ()),
+                ("line_crease_strength", "line_crease_width"), ()),
     "intersections": (n_("Intersections"), "Lines where pieces of a mesh pass through each other; their width is a "
-                      "share of that of creases", ("width_intersection",), ()),
+                      "share of that of creases", ("line_intersection_width",), ()),
     "folds": (n_("Folds"), "Lines where a smooth form nearly turns away, suggestive contours: a nose, lips, cloth",
-              ("edge_suggestive", "width_suggestive"), ()),
-    "materials": (n_("Materials"), "Lines between materials", ("edge_material", "width_material"), ()),
-    "colors": (n_("Colors"), "Lines between colors, as of patterns and letters", ("edge_color", "width_color"), ()),
-    "shadows": (n_("Shadows"), "Shadow edges: lines between light and shadow", ("edge_light", "width_light"), ()),
-    "mirrors": (n_("Mirrors"), "Lines in what mirrors and clear glass show", ("edge_seen", "width_seen"), ()),
+              ("line_suggestive_strength", "line_suggestive_width"), ()),
+    "materials": (n_("Materials"), "Lines between materials", ("line_material_strength", "line_material_width"), ()),
+    "colors": (n_("Colors"), "Lines between colors, as of patterns and letters", ("line_color_strength",
+                                                                                  "line_color_width"), ()),
+    "shadows": (n_("Shadows"), "Shadow edges: lines between light and shadow", ("line_shadow_strength",
+                                                                                "line_shadow_width"), ()),
+    "mirrors": (n_("Mirrors"), "Lines in what mirrors and clear glass show", ("line_mirror_strength",
+                                                                              "line_mirror_width"), ()),
     "marks": (n_("Marks"), "Edges that you have marked, as Freestyle edges, and strokes by hand",
-              ("edge_mark", "width_mark"), ())}
+              ("line_mark_strength", "line_mark_width"), ())}
 SHOWN = "outlines", "inner", "creases", "colors", "shadows", "marks"  # in the front panel
 _BY_WIDTH = "outlines", "contacts", "inner", "intersections"  # without the edge itself another would be found there
-_SHORT = {"line_min_length": 1.0, "color_length": 8.0, "light_length": 20.0, "seen_length": 4.0}
+_SHORT = {"line_shortest": 1.0, "line_color_shortest": 8.0, "line_shadow_shortest": 20.0, "line_mirror_shortest": 4.0}
 _SHORTEST = 12.0  # px, in the middle of Small Lines
 _HAND = {"wobble": 1.0, "pressure": 0.3, "rough": 0.5}
 _LOOSEST = 3.0    # px that a hand strays
@@ -80,25 +83,25 @@ def _toggle(name):
                 setattr(self, id_, _base(self, id_) or 1.0)
             elif on and id_ in more:
                 setattr(self, id_, _base(self, id_))
-            elif not on and (id_.startswith("width_") if name in _BY_WIDTH else not id_.startswith("width_")):
+            elif not on and id_.endswith("_width") == (name in _BY_WIDTH):
                 setattr(self, id_, 0.0)
 
     return bpy.props.BoolProperty(name=label, description=help_, get=read, set=write, options=set(), **OURS)
 
 
 def _small_read(self):
-    return max(0.0, 1 - math.sqrt(self.line_min_length / _SHORTEST) / 2)
+    return max(0.0, 1 - math.sqrt(self.line_shortest / _SHORTEST) / 2)
 
 
 def _small_write(self, share):
     length = _SHORTEST * (2 - 2 * share) ** 2
-    base = _base(self, "line_min_length")
+    base = _base(self, "line_shortest")
     for id_, usual in _SHORT.items():
         setattr(self, id_, length * (_base(self, id_) / base if base else usual))
 
 
 def _hand_read(self):
-    return min(1.0, self.pen_wobble / _LOOSEST)
+    return min(1.0, self.pen_1_wobble / _LOOSEST)
 
 
 def _hand_write(self, share):
@@ -110,18 +113,18 @@ def _hand_write(self, share):
 
 
 def _far_read(self):
-    if not self.line_depth_distance:
+    if not self.line_far_distance:
         return 1.0
-    return min(max((math.log2(self.line_depth_distance) + 1) / 4, 0.0), _SAME - 0.005)
+    return min(max((math.log2(self.line_far_distance) + 1) / 4, 0.0), _SAME - 0.005)
 
 
 def _far_write(self, share):
     if share >= _SAME:
-        self.line_depth_distance = 0.0
+        self.line_far_distance = 0.0
         return
-    if not self.line_depth_distance:
-        self.line_depth_most, self.line_depth_least = 1.0, 2.0
-    self.line_depth_unit, self.line_depth_distance = "RELATIVE", 2 ** (4 * share - 1)
+    if not self.line_far_distance:
+        self.line_far_thickest, self.line_far_thinnest = 1.0, 2.0
+    self.line_far_unit, self.line_far_distance = "RELATIVE", 2 ** (4 * share - 1)
 
 
 # ---- shade -------------------------------------------------------------------------------------------------------

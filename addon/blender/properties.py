@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ..pen import layers, library, slots
+from ..pen.params import PENS
 from ..pen.settings import Settings, switches
 from . import overrides, pens, versions
 from .languages import OURS
@@ -58,7 +59,7 @@ def _property(p):
                                        precision=2 if p.unit in _STEPS else 3, step=_STEPS.get(p.unit, 3),
                                        **_limits(p), **_common(p))
     if p.type == "enum":
-        if p.id.startswith("line_pen_"):  # items that change want a number
+        if p.items and p.items[0].id in PENS:  # items that change want a number
             return bpy.props.EnumProperty(items=pens.items(p), default=p.number[p.default], **_common(p))
         items = [(x.id, x.label, x.help, x.number) for x in p.items]
         return bpy.props.EnumProperty(items=items, default=p.default, **_common(p))
@@ -372,6 +373,12 @@ def has(group, p, value):
 def styles(scene):
     """[(name, {id: value} that it changes)]; style number k is the k-th, 0 the scene's own parameters."""
     return [(s.name, stored(s)) for s in scene.encre.styles]
+
+
+def unknown(scene):
+    """Names of what a scene and its styles keep that no setting is called, as by another version of Encre."""
+    return sorted({name for group in (scene.encre, *scene.encre.styles) for name in group.keys()  # noqa: SIM118 - no dict
+                   if name not in group.bl_rna.properties})
 
 
 def active(scene):

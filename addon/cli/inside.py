@@ -236,7 +236,7 @@ def render_frame(job, scene, number, stamp, amiss):
 def compare(job, scene, line, _amiss):
     from . import staging, tools
 
-    staging.mute(scene, "encre.edge_color")
+    staging.mute(scene, "encre.line_color_strength")
     frames = line.hear()["frames"]
     with line.watched():
         tools.load("compare", "techniques").render(job, scene, frames, line.report)

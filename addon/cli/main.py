@@ -16,7 +16,7 @@ import warnings
 
 import numpy as np
 
-from ..pen import library, presets
+from ..pen import library, presets, slots
 from ..pen.errors import EncreError, shown
 from ..pen.params import Chosen
 from . import images, render, sequence, shadows, tools
@@ -230,10 +230,14 @@ def _params(args):
         print(json.dumps([_row(p) for p in library.params().values()], indent=1, ensure_ascii=False))
         return
     for stage in library.stages():
-        print(f"{stage.label}: {stage.help}")
-        for p in stage.params:
-            print(f"  {p.id} = {_written(p)}  ({_allowed(p)})\n      {p.help}")
-        print()
+        if rows := [p for p in stage.params if not slots.repeats(p)]:
+            print(f"{stage.label}: {stage.help}")
+            for p in rows:
+                print(f"  {p.id} = {_written(p)}  ({_allowed(p)})\n      {p.help}")
+            print()
+    *some, last = (pen.id for pen in slots.pens()[1:])
+    print(f"{', '.join(some)} and {last} have all that {slots.pens()[0].id} has, and other tones all that "
+          f"{slots.tones()[0].id} has: {last}_wobble, {slots.tones()[-1].id}_pitch.")
 
 
 def _row(p):

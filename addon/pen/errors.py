@@ -14,7 +14,7 @@ class Cancelled(EncreError):
 
 
 _MOST_LISTED = 16  # names in one sentence
-_ALIKE = 0.785     # names that a slip of the pen parts; at 0.77 line_lit would be near line_width
+_ALIKE = 0.785     # names that a slip of the pen parts; at 0.77 ink_in_light would be near line_width
 _LETTER = 1.2      # of short names, so many letters may be others
 
 

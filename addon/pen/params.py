@@ -132,14 +132,15 @@ def asked(p: Param, values: Mapping[str, Any]) -> bool:
 
 TONES = tuple(f"tone_{n}" for n in range(1, 7))  # of the levels of light, the darkest first
 
-PENS = {"PEN": "pen", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
-LINES = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
+PENS = {"PEN_1": "pen_1", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
+LINES = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "shadow", "mirror", "suggestive",
+         "mark")  # the kinds: line_outline_pen
 _VARIES = ("pressure", "wobble", "rough", "gaps", "dash", "dry", "strip", "overshoot")
 
 
 def pens(values: Mapping[str, Any]) -> set[str]:
     """The pens that some kind of line is drawn by."""
-    return {PENS[values[f"line_pen_{kind}"]] for kind in LINES}
+    return {PENS[values[f"line_{kind}_pen"]] for kind in LINES}
 
 
 def sticking_pens(values: Mapping[str, Any]) -> bool:
@@ -159,7 +160,7 @@ def fills(values: Mapping[str, Any], *tones: str) -> bool:
 
 def rubs(values: Mapping[str, Any]) -> bool:
     """Whether anything rubs over the paper's heights."""
-    return (values["use_lines"] and values["line_paper"] > 0) or (
+    return (values["use_lines"] and values["pen_1_grain"] > 0) or (
         values["use_wash"] and values["wash_granulation"] > 0) or (
         (values["use_hatching"] or fills(values, "GRAIN")) and values["hatch_amount"] > 0)
 

@@ -76,12 +76,12 @@ def missing(names: Container[str], settings: Settings) -> list[str]:
     """What is not drawn as it was asked for without those of the passes() that are not among `names`: sentences."""
     said = []
     if settings.sticks and "Encre Anchor" not in names:
-        said.append("no rest positions, which save_anchor=ON renders: tones, the paint of balls and the hand of lines "
+        said.append("no rest positions, which save_rest=ON renders: tones, the paint of balls and the hand of lines "
                     "stick to the picture")
     elif settings.follows_uv and "Encre Tangent" not in names:
-        said.append("no directions of UV maps, which save_anchor=ON renders: strokes go along the form")
+        said.append("no directions of UV maps, which save_rest=ON renders: strokes go along the form")
     if settings.lies_flat and "Encre Card" not in names:
-        said.append("no sheets of things, which save_anchor=ON renders: flat tones stick to the picture")
+        said.append("no sheets of things, which save_rest=ON renders: flat tones stick to the picture")
     return said
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import colour, library
 from .params import (
+    LINES,
     Chosen,
     fills_sheets,
     fills_surfaces,
@@ -30,7 +31,7 @@ _WINDOW = 24  # px about an edge at which its detector looks, whatever the setti
 # default: add a version and what it was before.
 BEFORE: dict[int, dict[str, Any]] = {
     1: {"crease_source": "LAYERS"},
-    2: {"line_depth_unit": "SCENE", "crease_angle": 20.0, "line_min_length": 0.0},
+    2: {"line_far_unit": "SCENE", "crease_angle": 20.0, "line_shortest": 0.0},
     3: {"hatch_color_light": 0.0},
     4: {},  # Encre has a number of samples of its own (blender/migration.py)
 }
@@ -40,12 +41,12 @@ VERSION = max(BEFORE)
 def _widest(values):
     """How wide a line may be, in units of length: where thickness is painted, near the camera, in the dark, of the
     widest source and kind, by a pen that is pressed."""
-    source = max(value for id_, value in values.items() if id_.startswith("width_"))
-    kind = max(values["width_contact"], values["width_intersection"], values["width_outer"], 1)
-    near = max(values["line_depth_most"], 1) if values["line_depth_distance"] else 1
-    pen = max(max(values.get(f"{pen}_width", 1), 1) * (3 if values[f"{pen}_pressure"] else 1)
+    source = max(values[f"line_{kind}_width"] for kind in LINES)
+    kind = max(values["line_contact_width"], values["line_intersection_width"], values["line_outer_width"], 1)
+    near = max(values["line_far_thickest"], 1) if values["line_far_distance"] else 1
+    pen = max(max(values[f"{pen}_width"], 1) * (3 if values[f"{pen}_pressure"] else 1)
               * (1 + values[f"{pen}_pool"]) for pen in pens(values))
-    return 9 * values["line_thickness"] * source * kind * near * (1 + abs(values["line_light"])) * pen
+    return 9 * values["line_thickness"] * source * kind * near * (1 + abs(values["ink_in_shade"])) * pen
 
 
 def since(version: int) -> dict[str, Any]:
@@ -75,7 +76,7 @@ def pixels_wide(values: Mapping[str, Any]) -> float:
     """How wide lines are that are given in pixels of the frame; 0: there are none."""
     if not values["use_lines"] or values["length_unit"] != "PIXELS":
         return 0.0
-    return min(values["line_thickness"], values["line_max_thickness"])
+    return min(values["line_thickness"], values["line_thickest"])
 
 
 def crowded(width: float, height: int) -> bool:
@@ -143,8 +144,9 @@ class Settings:
     @cached_property
     def wants_light(self) -> bool:
         """Whether anything compares light with a threshold, so that its noise would show as speckle."""
-        return self.active and self.any("use_shading", "use_example", "use_hatching", "use_tones", "edge_light",
-                                        "line_light")
+        return self.active and self.any("use_shading", "use_example", "use_hatching", "use_tones",
+                                        "line_shadow_strength",
+                                        "ink_in_shade")
 
     @cached_property
     def unread(self) -> set[str]:
@@ -206,7 +208,7 @@ class Settings:
                              for pen in pens(values))
                 weighed = 60 if values["line_density"] < 1 else 0  # three nodes of its grid
                 kept = max(values["line_gap"], values["line_halo"])
-                most = max(most, min(scene["line_max_thickness"], _widest(values)) / 2 + strays + weighed, kept + 3)
+                most = max(most, min(scene["line_thickest"], _widest(values)) / 2 + strays + weighed, kept + 3)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
             if values["use_wash"]:
@@ -215,12 +217,12 @@ class Settings:
                 most = max(most, values["rim_width"] + 2)
             if values["use_tones"]:
                 most = max(most, 4 * scene["tone_detail"])
-        if scene["contrast_auto"] and self.any("edge_color"):
+        if scene["contrast_local"] and self.any("line_color_strength"):
             most += scene["contrast_window"] / 2
-        if self.any("edge_suggestive"):  # blurred light, the room beside a valley, and all of what is short
-            most += 5 * scene["suggestive_scale"] + max(values["suggestive_length"] for values in self.every)
-        most += max((values[f"{source}_length"] for source in ("color", "seen", "light") if self.any(f"edge_{source}")
-                     for values in self.every), default=0)
+        if self.any("line_suggestive_strength"):  # blurred light, the room beside a valley, and all of what is short
+            most += 5 * scene["suggestive_size"] + max(values["line_suggestive_shortest"] for values in self.every)
+        most += max((values[f"line_{kind}_shortest"] for kind in ("color", "mirror", "shadow")
+                     if self.any(f"line_{kind}_strength") for values in self.every), default=0)
         scale = {"RELATIVE": height / 1080, "MM": height / scene["page_height"], "PIXELS": 1}[scene["length_unit"]]
         counted = scene["tone_pitch_unit"] == "LPI"
         inch = 25.4 * height / scene["page_height"]
@@ -282,7 +284,7 @@ class Settings:
     def wants_anchor(self) -> bool:
         """Whether anything sticks to surfaces, if only which lines are left out, or is to be able to."""
         fine = self.every[0]["edge_detector"] == "FINE"
-        return (self.every[0]["save_anchor"] == "ON" or self.sticks
+        return (self.every[0]["save_rest"] == "ON" or self.sticks
                 or (fine and any(leaves_out_lines(values) for values in self.every)))
 
     @cached_property
@@ -293,7 +295,7 @@ class Settings:
     @cached_property
     def wants_card(self) -> bool:
         """Whether tones lie on things' sheets, or are to be able to."""
-        return self.every[0]["save_anchor"] == "ON" or self.lies_flat
+        return self.every[0]["save_rest"] == "ON" or self.lies_flat
 
     @cached_property
     def follows_uv(self) -> bool:
@@ -303,7 +305,7 @@ class Settings:
     @cached_property
     def wants_tangent(self) -> bool:
         """Whether strokes follow UV maps, or are to be able to."""
-        return self.every[0]["save_anchor"] == "ON" or self.follows_uv
+        return self.every[0]["save_rest"] == "ON" or self.follows_uv
 
     @cached_property
     def rastered(self) -> tuple[str, ...]:
@@ -321,12 +323,12 @@ class Settings:
     @cached_property
     def wants_seen(self) -> bool:
         """Whether lines are drawn in what mirrors and glass show."""
-        return self.every[0]["edge_detector"] == "FINE" and self.any("edge_seen") and self.wants_edges
+        return self.every[0]["edge_detector"] == "FINE" and self.any("line_mirror_strength") and self.wants_edges
 
     @cached_property
     def cleans_seen(self) -> bool:
         """Whether what mirrors and glass show is to be denoised, where it is rendered."""
-        return self.every[0]["seen_denoise"] == "OIDN" and self.wants_seen
+        return self.every[0]["mirror_denoise"] == "OIDN" and self.wants_seen
 
     def idle(self, pictures: Mapping[str, np.ndarray]) -> dict[str, str]:
         """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""
@@ -339,12 +341,13 @@ class Settings:
 
         colors = "combined" if self.every[0]["color_layer"] == "LIT" else "albedo"
         reasons = {
-            "edge_object": alike("object") and "one index everywhere",
-            "edge_material": alike("material") and "one index everywhere",
-            "edge_depth": alike("depth") and "one depth everywhere",
-            "edge_normal": alike("normal") and "one normal everywhere",
-            "edge_color": alike(colors) and "one color everywhere",
-            "edge_light": alike("diffuse") and "the same light everywhere",
-            "edge_seen": self.wants_seen and "seen_normal" not in pictures and "no passes that see into mirrors",
+            "line_outline_strength": alike("object") and "one index everywhere",
+            "line_material_strength": alike("material") and "one index everywhere",
+            "line_inner_strength": alike("depth") and "one depth everywhere",
+            "line_crease_strength": alike("normal") and "one normal everywhere",
+            "line_color_strength": alike(colors) and "one color everywhere",
+            "line_shadow_strength": alike("diffuse") and "the same light everywhere",
+            "line_mirror_strength": self.wants_seen and "seen_normal" not in pictures
+            and "no passes that see into mirrors",
         }
         return {name: why for name, why in reasons.items() if why and self.any(name)}

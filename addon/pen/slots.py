@@ -34,19 +34,15 @@ class Slot:
 
 @functools.cache
 def pens() -> tuple[Slot, ...]:
-    """The pens, each with its tool before its hand."""
+    """The pens."""
     rows = {pen: {id_.removeprefix(f"{pen}_"): p for id_, p in library.params().items()
                   if p.stage == pen and id_.startswith(f"{pen}_")} for pen in PENS.values()}
-    first, second, *_ = PENS.values()
-    # what only the second has is its tool; the first pen's is that of lines
-    tool = {what: library.params().get(f"line_{what}") for what in rows[second] if what not in rows[first]}
-    rows[first] |= {what: p for what, p in tool.items() if p}
-    labels = {item.id: item.label for item in library.params()["line_pen_outline"].items}
+    labels = {item.id: item.label for item in library.params()["line_outline_pen"].items}
 
     def shown(pen):
         order = list(rows[pen])  # an image follows what wants it
-        return {what: rows[pen][what] for what in sorted(order, key=lambda what: (
-            what not in tool, order.index(what.removesuffix("_image"))))}
+        return {what: rows[pen][what] for what in sorted(order,
+                                                         key=lambda what: order.index(what.removesuffix("_image")))}
 
     return tuple(Slot(pen, "pen", labels[item], shown(pen)) for item, pen in PENS.items())
 
@@ -69,8 +65,14 @@ def _owners():
 
 
 def of(id_: str) -> Slot | None:
-    """The slot that a row is of, None if it is of none; tools of lines are of lines."""
+    """The slot that a row is of, None if it is of none."""
     return _owners().get(id_)
+
+
+def repeats(p: Param) -> bool:
+    """Whether a row says of a later pen or tone what one says of the first; what a tone is stands for itself."""
+    slot = of(p.id)
+    return slot is not None and slot not in (pens()[0], tones()[0]) and p.id != slot.id
 
 
 def find(id_: str) -> Slot:

@@ -151,7 +151,7 @@ static int32_t check_reach(const encre_job *job, int width, int height, char *er
 	if (scene->edge_detector == edge_detector_FINE || !(reach > NEAREST_FAR) || far <= NEAREST_FAR)
 		return ENCRE_OK;
 	return refuse(error, size,
-		      "line_max_thickness, smudge_range: in %d x %d pixels reach %g of them, where %d can be counted; "
+		      "line_thickest, smudge_range: in %d x %d pixels reach %g of them, where %d can be counted; "
 		      "give less, or render in borders",
 		      width, height, (double)reach, NEAREST_FAR);
 }

@@ -30,7 +30,7 @@ static void put(writer *w, const void *from, size_t size)
 static void put_style(writer *w, const encre_params *p, bool light)
 {
 #include "edges/edges.rows.h"
-	put(w, &p->line_min_length, sizeof p->line_min_length);
+	put(w, &p->line_shortest, sizeof p->line_shortest);
 	put(w, &p->line_smooth, sizeof p->line_smooth);
 	put(w, &p->line_gap, sizeof p->line_gap);
 	put(w, &p->line_halo, sizeof p->line_halo);
@@ -54,7 +54,7 @@ static void put_key(writer *w, const frame *f, int64_t layers)
 	bool light = false;
 	int threads = bands_threads(f->bands);
 	for (int i = 0; i < f->n_styles; i++)
-		light |= f->params[i].edge_light > 0;
+		light |= f->params[i].line_shadow_strength > 0;
 	put(w, &layers, sizeof layers);
 	put(w, &f->width, sizeof f->width);
 	put(w, &f->height, sizeof f->height);

@@ -17,14 +17,14 @@ BOOL(world_shadows, FRAME, 0, "", "World Shadows", "Where light is drawn, things
 ENUM(light_denoise, FRAME, 0, "use_shading&layer_source=CYCLES", "Denoise Light", "How Monte-Carlo noise is taken out of rendered light before it is cut into levels, and out of gloss and glass beside it",
      ITEM(light_denoise, OIDN, 0, "Open Image Denoise", "Denoise the light with the albedo and the normal as guides, where the library is there")
      ITEM(light_denoise, NONE, 1, "None", "Use the light as it was rendered"))
-ENUM(seen_denoise, FRAME, 0, "edge_detector=FINE&layer_source=CYCLES", "Denoise Mirrored", "How Monte-Carlo noise is taken out of what mirrors and clear glass show before lines are looked for in it",
-     ITEM(seen_denoise, OIDN, 0, "Open Image Denoise", "Denoise the colors and normals seen there, where the library is there")
-     ITEM(seen_denoise, NONE, 1, "None", "Look for lines in what was rendered"))
+ENUM(mirror_denoise, FRAME, 0, "edge_detector=FINE&layer_source=CYCLES", "Denoise Mirrored", "How Monte-Carlo noise is taken out of what mirrors and clear glass show before lines are looked for in it",
+     ITEM(mirror_denoise, OIDN, 0, "Open Image Denoise", "Denoise the colors and normals seen there, where the library is there")
+     ITEM(mirror_denoise, NONE, 1, "None", "Look for lines in what was rendered"))
 ENUM(save_layers, FRAME, 0, "", "Save Layers", "Write the layers that restyling a saved frame needs into the file",
      ITEM(save_layers, AUTO, 0, "Automatic", "When the output is a multilayer OpenEXR file; with encre render as Slim")
      ITEM(save_layers, ON, 1, "Always", "Always")
      ITEM(save_layers, OFF, 2, "Never", "Never")
      ITEM(save_layers, SLIM, 3, "Slim", "Always, without noisy passes that nobody reads; encre render stores nothing else and most of it as half floats"))
-ENUM(save_anchor, FRAME, 0, "", "Save Rest Positions", "Store for each pixel where on the thing at rest it is, so that drawn texture sticks to surfaces",
-     ITEM(save_anchor, AUTO, 0, "Automatic", "When something that is drawn sticks to surfaces")
-     ITEM(save_anchor, ON, 1, "Always", "Always, so that a saved frame can be drawn again with something that sticks"))
+ENUM(save_rest, FRAME, 0, "", "Save Rest Positions", "Store for each pixel where on the thing at rest it is, so that drawn texture sticks to surfaces",
+     ITEM(save_rest, AUTO, 0, "Automatic", "When something that is drawn sticks to surfaces")
+     ITEM(save_rest, ON, 1, "Always", "Always, so that a saved frame can be drawn again with something that sticks"))

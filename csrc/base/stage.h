@@ -169,7 +169,7 @@ static inline float nearest_reach(const encre_params *params, int n_styles, floa
 		any_lines |= params[i].use_lines;
 	}
 	float widest =
-		any_lines && params->line_search == line_search_NEAREST ? 0.5f * params->line_max_thickness * scale : 0;
+		any_lines && params->line_search == line_search_NEAREST ? 0.5f * params->line_thickest * scale : 0;
 	return widest > reach ? widest : reach;
 }
 

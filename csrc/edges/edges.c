@@ -76,15 +76,15 @@ static void nearest_places(const frame *f, int y, int x0, int n, uint8_t *restri
 static float weight_in(const encre_params *p, enum source s)
 {
 	switch (s) {
-	case SOURCE_OBJECT: return p->edge_object;
-	case SOURCE_MATERIAL: return p->edge_material;
-	case SOURCE_DEPTH: return p->edge_depth;
-	case SOURCE_NORMAL: return p->edge_normal;
-	case SOURCE_COLOR: return p->edge_color;
-	case SOURCE_MARK: return p->edge_mark;
-	case SOURCE_SEEN: return p->edge_seen;
-	case SOURCE_SUGGESTIVE: return p->edge_suggestive;
-	default: return p->edge_light;
+	case SOURCE_OBJECT: return p->line_outline_strength;
+	case SOURCE_MATERIAL: return p->line_material_strength;
+	case SOURCE_DEPTH: return p->line_inner_strength;
+	case SOURCE_NORMAL: return p->line_crease_strength;
+	case SOURCE_COLOR: return p->line_color_strength;
+	case SOURCE_MARK: return p->line_mark_strength;
+	case SOURCE_SEEN: return p->line_mirror_strength;
+	case SOURCE_SUGGESTIVE: return p->line_suggestive_strength;
+	default: return p->line_shadow_strength;
 	}
 }
 
@@ -234,7 +234,7 @@ static void edge_rows(void *data, int y0, int y1, int thread)
 			edge_tile(e, h->ring, y, x0, e->f->width - x0 < TILE ? e->f->width - x0 : TILE, thread);
 }
 
-/* ---- contrast_auto: the strongest difference nearby gives a full line ------------------------------------ */
+/* ---- contrast_local: the strongest difference nearby gives a full line ------------------------------------ */
 
 static void difference_rows(void *data, int y0, int y1, int thread)
 {
@@ -281,7 +281,7 @@ static edges setup(const frame *f)
 	edges e = {.f = f,
 		   .p = p,
 		   .fine = p->edge_detector == edge_detector_FINE,
-		   .gauss = ISA(gaussians_of)(p->edge_sigma),
+		   .gauss = ISA(gaussians_of)(p->edge_blur),
 		   .dog = p->edge_detector == edge_detector_DOG};
 	e.contrast = !e.dog || p->color_detector == color_detector_CONTRAST;
 	e.inverse = e.fine || p->depth_space == depth_space_INVERSE;
@@ -291,7 +291,7 @@ static edges setup(const frame *f)
 	e.depth_factor = gain / divisor < most_factor ? gain / divisor : most_factor;
 	e.creases = e.fine && p->crease_source == crease_source_AUTO && f->layer[ENCRE_LAYER_CREASES].data;
 	for (int i = 0; e.creases && i < f->n_styles; i++) {
-		e.bump[i] = p[i].edge_bump;
+		e.bump[i] = p[i].crease_bumps;
 		e.on[SOURCE_NORMAL] |= e.bump[i] > 0;
 	}
 	for (int s = 0; s < SOURCE_COUNT; s++) {
@@ -332,7 +332,7 @@ static void plan(frame *f, arena *a)
 	for (int s = 0; s < SAMPLE_COUNT; s++) {
 		e.ring_at[s] = e.thread_samples;
 		e.thread_samples += e.on[s] ? (2 * e.reach[s] + 1) * channels_of((enum source)s) * e.plane_samples : 0;
-		if (e.on[s] && is_color(s) && e.contrast && e.p->contrast_auto) {
+		if (e.on[s] && is_color(s) && e.contrast && e.p->contrast_local) {
 			e.full[s] = arena_take(a, pixels, sizeof *e.full[s]);
 			e.difference[s] = e.fine ? e.full[s] : arena_take(a, pixels, sizeof *e.difference[s]);
 			any = true;

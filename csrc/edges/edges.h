@@ -31,8 +31,8 @@ typedef struct edges {
 	float *samples;           /* rings of all sources, for each thread */
 	ptrdiff_t thread_samples, plane_samples;
 	ptrdiff_t ring_at[SAMPLE_COUNT];
-	/* width * height, of colours with contrast_auto: how much they differ there, and at most nearby; FINE knows the
-	   latter only, of SAMPLE_SEEN_COLOR, too */
+	/* width * height, of colours with contrast_local: how much they differ there, and at most nearby; FINE knows
+	   the latter only, of SAMPLE_SEEN_COLOR, too */
 	float *difference[SAMPLE_COUNT], *full[SAMPLE_COUNT];
 	wide_window window; /* likewise */
 } edges;
@@ -61,13 +61,13 @@ static inline bool is_color(int s)
 	return s == SOURCE_COLOR || s == SOURCE_LIGHT || s == SAMPLE_SEEN_COLOR;
 }
 
-static const float least_full_contrast = 0.25f; /* with contrast_auto */
+static const float least_full_contrast = 0.25f; /* with contrast_local */
 
 /* The difference of colours that gives an edge of full strength, at pixel x, y. */
 static inline float full_contrast(const edges *e, int s, int x, int y)
 {
 	if (!e->full[s])
-		return e->p->contrast_max;
+		return e->p->contrast_full;
 	float most = e->full[s][(ptrdiff_t)y * e->f->width + x];
 	return most > least_full_contrast ? most : least_full_contrast;
 }

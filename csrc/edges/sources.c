@@ -150,7 +150,7 @@ static void normal_responses(const ring *r, int x0, int n, float *restrict each)
 /* A tenth, of components 1/2 + n/2. */
 static void normal_strength(const ring *r, int x0, int n, float *restrict response)
 {
-	float each[3 * TILE], least = r->e->p->sobel_shape_threshold;
+	float each[3 * TILE], least = r->e->p->sobel_crease_threshold;
 	normal_responses(r, x0, n, each);
 	for (int i = 0; r->e->dog && i < n; i++) {
 		float peak = 5 * max(each[3 * i + 2], max(each[3 * i + 1], positive(each[3 * i])));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The largest value of a wide window about each pixel: for contrast_auto, the strongest difference nearby. */
+/* The largest value of a wide window about each pixel: for contrast_local, the strongest difference nearby. */
 #ifndef ENCRE_WINDOW_H
 #define ENCRE_WINDOW_H
 

@@ -12,7 +12,7 @@
 /* The distance of two colours in the space of the metric below which none is an edge. */
 static float least_contrast(const encre_params *p, float weight)
 {
-	float most = p->contrast_auto ? min(p->contrast_max, least_full_contrast) : p->contrast_max,
+	float most = p->contrast_local ? min(p->contrast_full, least_full_contrast) : p->contrast_full,
 	      least = p->contrast_threshold;
 	if (weight > 0 && most > least)
 		least += (most - least) * min(1, least_faint * p->edge_threshold / weight);
@@ -124,9 +124,9 @@ static bool has_lengths(const fine *n)
 	bool any = has_forms(n) || (n->e->creases && n->e->on[SOURCE_NORMAL]);
 	for (int i = 0; i < n->f->n_styles; i++) {
 		const encre_params *p = n->f->params + i;
-		any |= n->e->on[SOURCE_LIGHT] && p->light_length > 0;
-		any |= n->e->on[SOURCE_COLOR] && p->color_length > 0;
-		any |= n->e->on[SOURCE_SEEN] && p->seen_length > 0;
+		any |= n->e->on[SOURCE_LIGHT] && p->line_shadow_shortest > 0;
+		any |= n->e->on[SOURCE_COLOR] && p->line_color_shortest > 0;
+		any |= n->e->on[SOURCE_SEEN] && p->line_mirror_shortest > 0;
 	}
 	return any;
 }

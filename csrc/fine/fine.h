@@ -286,7 +286,7 @@ bool ISA(crease_beside)(const fine *n, const found *at);
 bool ISA(crease_flat)(const fine *n, int x, int y, int axis);
 /* Whether what is found is on edges of forms that are shaded smoothly alone: its own, or where ways cross all of them.
  */
-bool ISA(crease_smooth)(const fine *n, const found *at);
+bool ISA(crease_angle_smooth)(const fine *n, const found *at);
 /* Whether what passes there is a hollow between faces that are shaded smoothly. */
 bool ISA(crease_hollow)(const fine *n, int x, int y, int axis);
 /* The weight of a crease that the normals show at a pixel: where a mesh tells of creases, it is a bump. */

@@ -241,7 +241,7 @@ static shade shade_of(const frame *f, const disc *e)
 		       .steep = e->gain / fade_of(p, e->radius),
 		       .gain = e->gain,
 		       .cut = e->gain * e->bias,
-		       .paper = p->line_paper,
+		       .paper = p->pen_1_grain,
 		       .limit = e->limit};
 }
 

@@ -18,7 +18,7 @@ typedef struct pen {
 
 /* The disc of an edge pixel, or of the edge pixels x..last of one row whose discs differ in nothing but their place.
  * The darkness that it gives a pixel at distance d, on paper of height h, is, before it is clamped to 0..1,
- *   gain * ((1 + line_paper * (h - 1)) * min(1, (radius - d) / fade) - bias). */
+ *   gain * ((1 + pen_1_grain * (h - 1)) * min(1, (radius - d) / fade) - bias). */
 typedef struct disc {
 	uint16_t x, last;
 	uint16_t style;
@@ -37,7 +37,7 @@ enum { OPEN = UINT16_MAX };
  * radius is not kept in it. */
 static inline float fade_of(const encre_params *p, float radius)
 {
-	return max(p->line_softness * radius, 1);
+	return max(p->pen_1_softness * radius, 1);
 }
 
 /* lines.c: the pen of an edge of that source and strength with the controls of pixel nx, ny; false where lines are off.

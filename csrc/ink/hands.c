@@ -17,25 +17,18 @@ static uint32_t again(const hand *h, int32_t number)
 pens ISA(pens_of)(const frame *f, const encre_params *p)
 {
 	pens s = {0};
-	/* the rows of a pen lie one after the other; the first's tool is that of all lines */
-	memcpy(s.hand, &p->pen_pressure, offsetof(hand, pen_width));
-	memcpy(s.hand + 1, &p->pen_2_pressure, sizeof *s.hand);
-	memcpy(s.hand + 2, &p->pen_3_pressure, sizeof *s.hand);
-	hand *first = s.hand;
-	first->pen_width = 1;
-	first->pen_taper = p->line_taper;
-	first->pen_softness = p->line_softness;
-	first->pen_intensity = p->line_intensity;
-	first->pen_gain = p->line_gain;
-	first->pen_paper = p->line_paper;
-#define LINE(kind, id, width) s.of[LINE_##kind] = (uint8_t)p->line_pen_##id;
+	/* the rows of a pen lie one after the other */
+	memcpy(s.hand, &p->pen_1_width, sizeof *s.hand);
+	memcpy(s.hand + 1, &p->pen_2_width, sizeof *s.hand);
+	memcpy(s.hand + 2, &p->pen_3_width, sizeof *s.hand);
+#define LINE(kind, id, width) s.of[LINE_##kind] = (uint8_t)p->line_##id##_pen;
 	LINES(LINE)
 #undef LINE
 	for (int k = 0; k < LINE_COUNT; k++) {
 		s.differ |= s.of[k] != 0;
 		s.used |= (uint8_t)(1 << s.of[k]);
 	}
-	const encre_image *strip[PENS] = {&p->pen_strip_image, &p->pen_2_strip_image, &p->pen_3_strip_image};
+	const encre_image *strip[PENS] = {&p->pen_1_strip_image, &p->pen_2_strip_image, &p->pen_3_strip_image};
 	memcpy(s.strip, strip, sizeof strip);
 	for (int k = 0; k < PENS; k++)
 		s.again[k] = again(s.hand + k, f->place.number);
@@ -43,15 +36,13 @@ pens ISA(pens_of)(const frame *f, const encre_params *p)
 }
 
 #define ROWS_LIE(pen)                                                                                                  \
-	_Static_assert(offsetof(encre_params, pen##_paper) - offsetof(encre_params, pen##_pressure) ==                 \
-			       offsetof(hand, pen_paper),                                                              \
+	_Static_assert(offsetof(encre_params, pen##_boil) - offsetof(encre_params, pen##_width) ==                     \
+			       offsetof(hand, pen_boil),                                                               \
 		       "rows of a pen are its hand");
+ROWS_LIE(pen_1)
 ROWS_LIE(pen_2)
 ROWS_LIE(pen_3)
 #undef ROWS_LIE
-_Static_assert(offsetof(encre_params, pen_boil) - offsetof(encre_params, pen_pressure) == offsetof(hand, pen_boil),
-	       "rows of a pen are its hand");
-
 uint32_t ISA(pens_strokes)(const pens *s)
 {
 	uint32_t most = 1;

@@ -158,16 +158,18 @@ float ISA(line_width)(const frame *f, const encre_params *p, const site *s, enum
 {
 	if (kind == LINE_OUTLINE && is_chain(s)) {
 		float gap = chain_of(f->fine, s)->gap / f->scale;
-		return mix(1, p->width_outer, clamp01((gap - outer_from) / (outer_full - outer_from)));
+		return mix(1, p->line_outer_width, clamp01((gap - outer_from) / (outer_full - outer_from)));
 	}
-	return kind == LINE_CONTACT ? p->width_contact : kind == LINE_INTERSECTION ? p->width_intersection : 1;
+	return kind == LINE_CONTACT        ? p->line_contact_width
+	       : kind == LINE_INTERSECTION ? p->line_intersection_width
+					   : 1;
 }
 
 /* ---- inks ------------------------------------------------------------------------------------------------ */
 
 bool ISA(inks_by_site)(const encre_params *p)
 {
-	return p->line_tint > 0 || p->line_lit > 0 || p->ink_on_dark > 0 || p->line_color_by_kind;
+	return p->ink_tint > 0 || p->ink_in_light > 0 || p->ink_on_dark > 0 || p->ink_by_kind;
 }
 
 void ISA(line_ink)(const frame *f, const site *made, float ink[3])
@@ -175,14 +177,14 @@ void ISA(line_ink)(const frame *f, const site *made, float ink[3])
 	const placed *s = &made->placed;
 	int x = s->near_x, y = s->near_y;
 	const encre_params *p = params_at(f, x, y);
-#define LINE(kind, id, width) [LINE_##kind] = p->line_color_##id,
+#define LINE(kind, id, width) [LINE_##kind] = p->line_##id##_ink,
 	const float *const kinds[LINE_COUNT] = {LINES(LINE)};
 #undef LINE
-	const float *own = p->line_color_by_kind ? kinds[ISA(line_of)(f, made)] : p->line_color;
+	const float *own = p->ink_by_kind ? kinds[ISA(line_of)(f, made)] : p->ink_color;
 	const float *color = layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x;
-	float lit = p->line_lit * clamp01(exposed_at(f, p, x, y));
+	float lit = p->ink_in_light * clamp01(exposed_at(f, p, x, y));
 	for (int c = 0; c < 3; c++) {
-		ink[c] = blend(own[c], p->line_tint_value * color[c], p->line_tint);
-		ink[c] = blend(ink[c], p->line_lit_color[c], lit);
+		ink[c] = blend(own[c], p->ink_tint_value * color[c], p->ink_tint);
+		ink[c] = blend(ink[c], p->ink_light_color[c], lit);
 	}
 }

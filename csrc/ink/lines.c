@@ -27,39 +27,39 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 	float pressed = 1 + (controls ? controls[CONTROL_INTENSITY] : 0);
 	float z = depth_at(f, nx, ny);
 	const float widths[SOURCE_COUNT] = {
-		[SOURCE_OBJECT] = p->width_object,
-		[SOURCE_MATERIAL] = p->width_material,
-		[SOURCE_DEPTH] = p->width_depth,
-		[SOURCE_NORMAL] = p->width_normal,
-		[SOURCE_COLOR] = p->width_color,
-		[SOURCE_LIGHT] = p->width_light,
-		[SOURCE_MARK] = p->width_mark,
-		[SOURCE_SEEN] = p->width_seen,
-		[SOURCE_SUGGESTIVE] = p->width_suggestive,
+		[SOURCE_OBJECT] = p->line_outline_width,
+		[SOURCE_MATERIAL] = p->line_material_width,
+		[SOURCE_DEPTH] = p->line_inner_width,
+		[SOURCE_NORMAL] = p->line_crease_width,
+		[SOURCE_COLOR] = p->line_color_width,
+		[SOURCE_LIGHT] = p->line_shadow_width,
+		[SOURCE_MARK] = p->line_mark_width,
+		[SOURCE_SEEN] = p->line_mirror_width,
+		[SOURCE_SUGGESTIVE] = p->line_suggestive_width,
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
 	float radius = min(0.5f * p->line_thickness * f->scale * widths[source], 1e30f);
 	radius *= thickness > 0 ? 1 + 8 * thickness : 1 + thickness;
 	radius *= mix(1, min(1, strength), p->line_contrast);
-	float full = p->line_depth_distance;
-	if (p->line_depth_unit == line_depth_unit_RELATIVE && f->camera.distance > 0)
+	float full = p->line_far_distance;
+	if (p->line_far_unit == line_far_unit_RELATIVE && f->camera.distance > 0)
 		full = min(full * f->camera.distance, FLT_MAX);
 	if (full > 0 && !f->camera.orthographic) {
 		bool outline = source == SOURCE_OBJECT || source == SOURCE_DEPTH; /* far away it says most of a shape */
-		float least = outline ? min(0.5f * p->line_depth_least * f->scale, radius) : 0;
-		radius = max(radius * min(full / z, p->line_depth_most), least);
+		float least = outline ? min(0.5f * p->line_far_thinnest * f->scale, radius) : 0;
+		radius = max(radius * min(full / z, p->line_far_thickest), least);
 	}
-	if (p->line_light != 0) {
+	if (p->ink_in_shade != 0) {
 		float lit = clamp01(exposed_at(f, p, nx, ny));
-		radius *= max(0, 1 + p->line_light * (1 - 2 * lit));
+		radius *= max(0, 1 + p->ink_in_shade * (1 - 2 * lit));
 	}
 
-	float intensity = min(pressed * p->line_intensity, 1e30f);
+	float intensity = min(pressed * p->pen_1_intensity, 1e30f);
 	d->p = p;
-	d->radius = min(radius, 0.5f * f->params->line_max_thickness * f->scale);
+	d->radius = min(radius, 0.5f * f->params->line_thickest * f->scale);
 	d->pressed = pressed;
-	d->gain = min(p->line_gain * intensity, 1e30f);
+	d->gain = min(p->pen_1_steepness * intensity, 1e30f);
 	d->bias = max(0, 1 - 0.5f * intensity);
 	d->limit = !f->params->line_occlude ? 0 : f->camera.orthographic ? z - 0.1f * f->camera.height : 0.9f * z;
 	return true;
@@ -93,10 +93,10 @@ static bool inks_differ(const frame *f, float *color)
 		const encre_params *p = f->params + i;
 		if (!p->use_lines)
 			continue;
-		if ((f->params->edge_detector == edge_detector_FINE ? ISA(inks_by_site)(p) : p->line_tint > 0) ||
-		    (found && memcmp(color, p->line_color, sizeof p->line_color) != 0))
+		if ((f->params->edge_detector == edge_detector_FINE ? ISA(inks_by_site)(p) : p->ink_tint > 0) ||
+		    (found && memcmp(color, p->ink_color, sizeof p->ink_color) != 0))
 			return true;
-		memcpy(color, p->line_color, sizeof p->line_color);
+		memcpy(color, p->ink_color, sizeof p->ink_color);
 		found = true;
 	}
 	return false;
@@ -120,7 +120,7 @@ static void ink_of(const frame *f, int x, int y, float ink[3])
 	const encre_params *p = params_at(f, nx, ny);
 	const float *color = layer_row(f, ENCRE_LAYER_COLOR, ny) + (ptrdiff_t)3 * nx;
 	for (int c = 0; c < 3; c++)
-		ink[c] = blend(p->line_color[c], p->line_tint_value * color[c], p->line_tint);
+		ink[c] = blend(p->ink_color[c], p->ink_tint_value * color[c], p->ink_tint);
 }
 
 static void fade_span(float *rgba, int n, float fade)
@@ -205,7 +205,7 @@ static void finish_row(const lines *l, const canvas *c, int y)
 	if (f->output[ENCRE_OUTPUT_LINES].data)
 		lines = memset(output_row(f, ENCRE_OUTPUT_LINES, y), 0, bytes);
 	if (c->open[y - c->y0])
-		ink_row(c, y, (const float (*)[3])l->capsules.ink, l->color, rgba, lines);
+		ink_row(c, y, (const float(*)[3])l->capsules.ink, l->color, rgba, lines);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */
@@ -311,7 +311,7 @@ static void draw_found(const lines *l, canvas *c)
 			const encre_params *p = f->params + d.style;
 			float coverage = min(1, (d.radius - sqrtf(d2)) / fade_of(p, d.radius));
 			c->dark[at + (size_t)x] =
-				d.gain * ((1 + p->line_paper * c->grain[at + (size_t)x]) * coverage - d.bias);
+				d.gain * ((1 + p->pen_1_grain * c->grain[at + (size_t)x]) * coverage - d.bias);
 			if (c->owner)
 				c->owner[at + (size_t)x] = (uint32_t)ey << 16 | (uint32_t)ex;
 		}

@@ -6,22 +6,25 @@
 #include "fine/fine.h"
 #include "ink/noise.h"
 
-/* LINE(KIND, id, width): the parameters line_pen_<id> and line_color_<id>, and which width_<width> it reads; kinds.c
- * has factors on that. OUTLINE       a jump in depth to another object, or to nothing CONTACT       another object at
- * continuous depth (times width_contact) INNER         a jump in depth within an object CREASE        a bend
- *   INTERSECTION  where pieces of a mesh pass through each other (times width_intersection)
+/* LINE(KIND, id, width): the parameters line_<id>_pen and line_<id>_ink, and which line_<width>_width it reads; kinds.c
+ * has factors on that.
+ *   OUTLINE       a jump in depth to another object, or to nothing
+ *   CONTACT       another object at continuous depth (times line_contact_width)
+ *   INNER         a jump in depth within an object
+ *   CREASE        a bend
+ *   INTERSECTION  where pieces of a mesh pass through each other (times line_intersection_width)
  *   SUGGESTIVE    where a smooth form nearly turns away
- * An outline that only its depth tells (edge_object 0) reads width_depth. */
+ * An outline that only its depth tells (line_outline_strength 0) reads line_inner_width. */
 #define LINES(LINE)                                                                                                    \
-	LINE(OUTLINE, outline, object)                                                                                 \
-	LINE(CONTACT, contact, object)                                                                                 \
-	LINE(INNER, inner, depth)                                                                                      \
-	LINE(CREASE, crease, normal)                                                                                   \
-	LINE(INTERSECTION, intersection, normal)                                                                       \
+	LINE(OUTLINE, outline, outline)                                                                                \
+	LINE(CONTACT, contact, outline)                                                                                \
+	LINE(INNER, inner, inner)                                                                                      \
+	LINE(CREASE, crease, crease)                                                                                   \
+	LINE(INTERSECTION, intersection, crease)                                                                       \
 	LINE(MATERIAL, material, material)                                                                             \
 	LINE(COLOR, color, color)                                                                                      \
-	LINE(LIGHT, light, light)                                                                                      \
-	LINE(SEEN, seen, seen)                                                                                         \
+	LINE(LIGHT, shadow, shadow)                                                                                    \
+	LINE(SEEN, mirror, mirror)                                                                                     \
 	LINE(SUGGESTIVE, suggestive, suggestive)                                                                       \
 	LINE(MARK, mark, mark)
 
@@ -37,8 +40,8 @@ enum { PENS = 3, BRISTLES = 8, STROKES = 4 };
 #define FLOAT(id, ...) float id;
 #define INT(id, ...) int32_t id;
 typedef struct hand {
+	TOOL_ROWS(pen, )
 	PEN_ROWS(pen)
-	TOOL_ROWS(pen)
 } hand;
 #undef FLOAT
 #undef INT

@@ -2,11 +2,19 @@
 /* clang-format off */
 /* The hands and the tools that draw the lines of FINE; pen.c reads these, kinds.c those of kinds and colours.
  *
- * Pens are alike, in groups of rows that one macro makes, and each kind of line says which draws it. What the first is
- * for a tool the rows line_... tell, the others have that of their own. One more: a STAGE with both groups here, an item
- * in KIND_PEN, PENS in pen.h, and PENS in pen/params.py, after which the list in the panel has it. */
+ * Pens are alike, in groups of rows that one macro makes, and each kind of line says which draws it. One more: a STAGE
+ * with both groups here, an item in KIND_PEN, PENS in pen.h, and PENS in pen/params.py, after which the list in the
+ * panel has it. DOG and SOBEL know the first pen alone, and of that the tool. */
 #ifndef PEN_ROWS
 #define PEN_RULE "use_lines&edge_detector=FINE"
+/* The tool. */
+#define TOOL_ROWS(pen, rule) \
+FLOAT(pen##_width, SURFACE, 1, 0, 4096, 0, 4, "", PEN_RULE, "Width", "Its lines are so many times as wide as Thickness and their kinds say") \
+FLOAT(pen##_taper, SURFACE, 0, 0, 4096, 0, 128, "px", PEN_RULE, "Taper", "Length over which a line thins out towards an end that meets no other line; 0: blunt ends") \
+FLOAT(pen##_softness, SURFACE, 0.9, 0, 1, 0, 1, "factor", rule, "Softness", "Share of the half width over which a line fades; 0 is a sharp pen") \
+FLOAT(pen##_intensity, SURFACE, 1, 0, FLT_MAX, 0, 4, "", rule, "Intensity", "Pressure of the pencil") \
+FLOAT(pen##_steepness, SURFACE, 4, 0, FLT_MAX, 0, 16, "", rule, "Steepness", "How quickly a line gets from bare paper to full ink") \
+FLOAT(pen##_grain, SURFACE, 0.6, 0, 1, 0, 1, "factor", rule, "Paper Grain", "How much the grain of the paper breaks the line")
 /* The hand. What is random in it is noise where a line is on its thing. */
 #define PEN_ROWS(pen) \
 FLOAT(pen##_pressure, SURFACE, 0, 0, 4, 0, 1, "factor", PEN_RULE, "Pressure", "How far lines swell and thin along their way, as a share of their width") \
@@ -35,59 +43,45 @@ FLOAT(pen##_boil, SURFACE, 1, 0, 1, 0, 1, "factor", PEN_RULE "&" #pen "_hold", "
 /* Apart from the others: a hand has numbers alone. */
 #define STRIP_ROW(pen) \
 IMAGE(pen##_strip_image, SURFACE, "", PEN_RULE "&" #pen "_strip", "Strip Image", "Picture along the line, ink where it is dark, from its left to its right and from rim to rim")
-/* The tool. */
-#define TOOL_ROWS(pen) \
-FLOAT(pen##_width, SURFACE, 1, 0, 4096, 0, 4, "", PEN_RULE, "Width", "Its lines are so many times as wide as those of the first pen") \
-FLOAT(pen##_taper, SURFACE, 0, 0, 4096, 0, 128, "px", PEN_RULE, "Taper", "Length over which a line thins out towards an end that meets no other line; 0: blunt ends") \
-FLOAT(pen##_softness, SURFACE, 0.9, 0, 1, 0, 1, "factor", PEN_RULE, "Softness", "Share of the half width over which a line fades; 0 is a sharp pen") \
-FLOAT(pen##_intensity, SURFACE, 1, 0, FLT_MAX, 0, 4, "", PEN_RULE, "Intensity", "Pressure of the pencil") \
-FLOAT(pen##_gain, SURFACE, 4, 0, FLT_MAX, 0, 16, "", PEN_RULE, "Steepness", "How quickly a line gets from bare paper to full ink") \
-FLOAT(pen##_paper, SURFACE, 0.6, 0, 1, 0, 1, "factor", PEN_RULE, "Paper", "How much the grain of the paper breaks the line")
 #define KIND_PEN(id, label, help) \
 ENUM(id, SURFACE, 0, PEN_RULE, label, help, \
-     ITEM(id, PEN, 0, "Pen", "The pen of the lines' own settings") \
+     ITEM(id, PEN_1, 0, "Pen 1", "The first pen") \
      ITEM(id, PEN_2, 1, "Pen 2", "The second pen") \
      ITEM(id, PEN_3, 2, "Pen 3", "The third pen"))
 #endif
-STAGE(pen, "Pen", "The hand and the tool that draw the lines")
-PEN_ROWS(pen)
-STRIP_ROW(pen)
-FLOAT(ink_on_dark, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink on Dark", "How far lines that run through dark areas take the second ink, so that they are seen there")
-COLOR(ink_dark_color, SURFACE, 1, 1, 1, "use_lines&edge_detector=FINE&ink_on_dark", "Second Ink", "Color of lines that run through dark areas")
-FLOAT(ink_dark_threshold, SURFACE, 0.03, 0, FLT_MAX, 0, 0.5, "", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Threshold", "Pictures darker than this on both sides of a line are dark areas")
-FLOAT(ink_dark_width, SURFACE, 1, 0, 1, 0.2, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Width", "How wide lines through dark areas are, as a share of their width: what is light looks wider than what is dark")
-FLOAT(ink_dark_colors, SURFACE, 1, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE&ink_on_dark", "Dark Colors", "How wide, of that, lines between colors and materials are in the dark; 0: patterns are not drawn there")
-FLOAT(line_lit, SURFACE, 0, 0, 1, 0, 1, "factor", "use_lines&edge_detector=FINE", "Ink in Light", "How far lines in the light take the ink of the light")
-COLOR(line_lit_color, SURFACE, 0.5, 0.25, 0.1, "use_lines&edge_detector=FINE&line_lit", "Ink of the Light", "Color of lines in the light")
+STAGE(pen_1, "Pen 1", "The hand and the tool that draw the lines, but for the kinds that name another")
+TOOL_ROWS(pen_1, "use_lines")
+PEN_ROWS(pen_1)
+STRIP_ROW(pen_1)
 STAGE(pen_2, "Pen 2", "A second pen, for the kinds of line that name it")
+TOOL_ROWS(pen_2, PEN_RULE)
 PEN_ROWS(pen_2)
-TOOL_ROWS(pen_2)
 STRIP_ROW(pen_2)
 STAGE(pen_3, "Pen 3", "A third pen, for the kinds of line that name it")
+TOOL_ROWS(pen_3, PEN_RULE)
 PEN_ROWS(pen_3)
-TOOL_ROWS(pen_3)
 STRIP_ROW(pen_3)
 STAGE(kinds, "Kinds of Line", "Which pen and which ink draw each kind of line")
-KIND_PEN(line_pen_outline, "Outline Pen", "Lines between an object and what lies behind it")
-KIND_PEN(line_pen_contact, "Contact Pen", "Lines between objects that touch")
-KIND_PEN(line_pen_inner, "Inner Pen", "Lines between parts of an object of which one hides the other")
-KIND_PEN(line_pen_crease, "Crease Pen", "Lines where a surface bends")
-KIND_PEN(line_pen_intersection, "Intersection Pen", "Lines where pieces of a mesh pass through each other")
-KIND_PEN(line_pen_material, "Material Pen", "Lines between materials")
-KIND_PEN(line_pen_color, "Color Pen", "Lines between colors")
-KIND_PEN(line_pen_light, "Shadow Edge Pen", "Lines between levels of light")
-KIND_PEN(line_pen_seen, "Mirror Pen", "Lines in mirrors and behind glass")
-KIND_PEN(line_pen_suggestive, "Suggestive Pen", "Suggestive contours")
-KIND_PEN(line_pen_mark, "Mark Pen", "Lines drawn by hand")
-BOOL(line_color_by_kind, SURFACE, 0, "use_lines&edge_detector=FINE", "Color by Kind", "Each kind of line has an ink of its own")
-COLOR(line_color_outline, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Outline Ink", "Lines between an object and what lies behind it")
-COLOR(line_color_contact, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Contact Ink", "Lines between objects that touch")
-COLOR(line_color_inner, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Inner Ink", "Lines between parts of an object of which one hides the other")
-COLOR(line_color_crease, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Crease Ink", "Lines where a surface bends")
-COLOR(line_color_intersection, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Intersection Ink", "Lines where pieces of a mesh pass through each other")
-COLOR(line_color_material, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Material Ink", "Lines between materials")
-COLOR(line_color_color, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Color Ink", "Lines between colors")
-COLOR(line_color_light, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Shadow Edge Ink", "Lines between levels of light")
-COLOR(line_color_seen, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Mirror Ink", "Lines in mirrors and behind glass")
-COLOR(line_color_suggestive, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Suggestive Ink", "Suggestive contours")
-COLOR(line_color_mark, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&line_color_by_kind", "Mark Ink", "Lines drawn by hand")
+KIND_PEN(line_outline_pen, "Outline Pen", "Lines between an object and what lies behind it")
+KIND_PEN(line_contact_pen, "Contact Pen", "Lines between objects that touch")
+KIND_PEN(line_inner_pen, "Inner Pen", "Lines between parts of an object of which one hides the other")
+KIND_PEN(line_crease_pen, "Crease Pen", "Lines where a surface bends")
+KIND_PEN(line_intersection_pen, "Intersection Pen", "Lines where pieces of a mesh pass through each other")
+KIND_PEN(line_material_pen, "Material Pen", "Lines between materials")
+KIND_PEN(line_color_pen, "Color Pen", "Lines between colors")
+KIND_PEN(line_shadow_pen, "Shadow Edge Pen", "Lines between levels of light")
+KIND_PEN(line_mirror_pen, "Mirror Pen", "Lines in mirrors and behind glass")
+KIND_PEN(line_suggestive_pen, "Suggestive Pen", "Suggestive contours")
+KIND_PEN(line_mark_pen, "Mark Pen", "Lines drawn by hand")
+BOOL(ink_by_kind, SURFACE, 0, "use_lines&edge_detector=FINE", "Color by Kind", "Each kind of line has an ink of its own")
+COLOR(line_outline_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Outline Ink", "Lines between an object and what lies behind it")
+COLOR(line_contact_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Contact Ink", "Lines between objects that touch")
+COLOR(line_inner_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Inner Ink", "Lines between parts of an object of which one hides the other")
+COLOR(line_crease_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Crease Ink", "Lines where a surface bends")
+COLOR(line_intersection_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Intersection Ink", "Lines where pieces of a mesh pass through each other")
+COLOR(line_material_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Material Ink", "Lines between materials")
+COLOR(line_color_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Color Ink", "Lines between colors")
+COLOR(line_shadow_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Shadow Edge Ink", "Lines between levels of light")
+COLOR(line_mirror_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Mirror Ink", "Lines in mirrors and behind glass")
+COLOR(line_suggestive_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Suggestive Ink", "Suggestive contours")
+COLOR(line_mark_ink, SURFACE, 0, 0, 0, "use_lines&edge_detector=FINE&ink_by_kind", "Mark Ink", "Lines drawn by hand")

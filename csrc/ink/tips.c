@@ -60,16 +60,17 @@ static pen_end pen_end_of(const gather *g, const site *made, uint8_t *whose)
 	if (!ISA(pen_of)(f, s->near_x, s->near_y, (enum source)s->source, s->strength, &pen))
 		return e;
 	const pens *all = g->pens + (pen.p - f->params);
-	if (all->differ || pen.p->width_contact != 1 || pen.p->width_intersection != 1 || pen.p->width_outer != 1) {
+	if (all->differ || pen.p->line_contact_width != 1 || pen.p->line_intersection_width != 1 ||
+	    pen.p->line_outer_width != 1) {
 		enum line kind = ISA(line_of)(f, made);
 		*whose = all->of[kind];
 		pen.radius = min(pen.radius * ISA(line_width)(f, pen.p, made, kind) * all->hand[*whose].pen_width,
-				 0.5f * f->params->line_max_thickness * f->scale);
+				 0.5f * f->params->line_thickest * f->scale);
 	}
 	const hand *h = all->hand + *whose;
 	if (*whose) {
 		float intensity = min(pen.pressed * h->pen_intensity, 1e30f);
-		pen.gain = min(h->pen_gain * intensity, 1e30f);
+		pen.gain = min(h->pen_steepness * intensity, 1e30f);
 		pen.bias = max(0, 1 - 0.5f * intensity);
 	}
 	e.out = pen.radius * (1 - (float)s->eased / 255);
@@ -77,7 +78,7 @@ static pen_end pen_end_of(const gather *g, const site *made, uint8_t *whose)
 	e.gain = pen.gain;
 	e.ease = pen.gain > 0 ? min(1 / pen.gain, 1e30f) : 0;
 	e.bias = pen.bias;
-	e.paper = h->pen_paper;
+	e.paper = h->pen_grain;
 	e.limit = min(pen.limit, 1e30f); /* finite: it is interpolated */
 	return e;
 }
@@ -201,7 +202,7 @@ static void press_pens(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const gather *g = data;
-	float most = 0.5f * g->f->params->line_max_thickness * g->f->scale, factor[SPAN];
+	float most = 0.5f * g->f->params->line_thickest * g->f->scale, factor[SPAN];
 	for (int i = first, n; i < end && !bands_stopped(g->f->bands); i += n) {
 		strokes s;
 		n = hands_from(g, i, end, &s);

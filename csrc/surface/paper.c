@@ -290,7 +290,7 @@ static bool wanted(const frame *f)
 	    (scene->paper_source == paper_source_IMAGE && !scene->paper_image.data))
 		return false;
 	for (int i = 0; i < f->n_styles; i++)
-		if ((f->params[i].use_lines && f->params[i].line_paper > 0) ||
+		if ((f->params[i].use_lines && f->params[i].pen_1_grain > 0) ||
 		    (f->params[i].use_wash && f->params[i].wash_granulation > 0) ||
 		    ((f->params[i].use_hatching || rubs(f->params + i)) && f->params[i].hatch_amount > 0))
 			return true;

@@ -194,11 +194,11 @@ static float facing(const frame *f, int x, int y)
 /* Share of the pixel at which the surface turns away far enough. */
 static float turns(const frame *f, const encre_params *p, int x, int y)
 {
-	if (p->rim_turn >= 1)
+	if (p->rim_facing >= 1)
 		return 1;
 	float right = fabsf(facing(f, x + 1, y) - facing(f, x - 1, y)),
 	      down = fabsf(facing(f, x, y + 1) - facing(f, x, y - 1));
-	return clamp01((p->rim_turn - facing(f, x, y)) / max(0.5f * max(right, down), 1e-3f) + 0.5f);
+	return clamp01((p->rim_facing - facing(f, x, y)) / max(0.5f * max(right, down), 1e-3f) + 0.5f);
 }
 
 /* What a site covers of the pixels of row y; ends: how near to its end their surface is, where that is in the pixel. */

@@ -3,7 +3,7 @@
 STAGE(rim, "Rim Light", "A band of light along the silhouettes of things")
 SWITCH(use_rim, SURFACE, 0, "", "Rim Light", "Draw a band of light, a rim or edge light, along the silhouettes of things")
 FLOAT(rim_width, SURFACE, 8, 0, 256, 0, 32, "px", "use_rim", "Width", "How wide the band is at most")
-FLOAT(rim_turn, SURFACE, 0.8, 0, 1, 0, 1, "factor", "use_rim", "Facing Limit", "How far a surface may face the camera and still have the band: small things then have a narrow one, and walls that face the camera none. 1: the band has its width everywhere")
+FLOAT(rim_facing, SURFACE, 0.8, 0, 1, 0, 1, "factor", "use_rim", "Facing Limit", "How far a surface may face the camera and still have the band: small things then have a narrow one, and walls that face the camera none. 1: the band has its width everywhere")
 ENUM(rim_space, SURFACE, 0, "use_rim", "From", "What tells from where the light comes",
      ITEM(rim_space, PICTURE, 0, "Picture", "A side of the picture, however the camera turns")
      ITEM(rim_space, WORLD, 1, "World", "A direction in the world, like a sun's"))

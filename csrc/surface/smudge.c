@@ -57,7 +57,7 @@ static float falloff(const encre_params *p, const float *controls, float range, 
 	float control = controls[CONTROL_SMUDGE_FALLOFF],
 	      full = p->smudge_falloff * (control > 0 ? control : 0) * (1 + range);
 	float f = distance < full || full >= range ? 1 : clamp01((range - distance) / (range - full));
-	return p->smudge_speed == 1 ? f : pixel_pow(f, p->smudge_speed);
+	return p->smudge_curve == 1 ? f : pixel_pow(f, p->smudge_curve);
 }
 
 /* The new colour of a painted pixel; false where it keeps its own. */

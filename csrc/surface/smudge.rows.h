@@ -6,4 +6,4 @@ FLOAT(smudge_range, SURFACE, 10, 0, 1024, 0, 64, "px", "use_smudging", "Range", 
 FLOAT(smudge_falloff, SURFACE, 0.5, 0, 1, 0, 1, "factor", "use_smudging", "Falloff", "Share of the range, times the painted control, over which the color stays full")
 FLOAT(smudge_pick, SURFACE, 7, 0, 1024, 0, 64, "px", "use_smudging", "Pick Distance", "How far behind the line the color is picked up")
 FLOAT(smudge_depth, SURFACE, 0.01, 0, FLT_MAX, 0, 1, "", "use_smudging", "Depth Difference", "Least relative difference in depth of the two surfaces")
-FLOAT(smudge_speed, SURFACE, 1, 0.01, 100, 0.1, 10, "", "use_smudging", "Speed", "Exponent of the falloff")
+FLOAT(smudge_curve, SURFACE, 1, 0.01, 100, 0.1, 10, "", "use_smudging", "Falloff Curve", "Exponent of the falloff: above 1 the color fades sooner")

@@ -118,7 +118,7 @@ static void radius_rows(void *data, int y0, int y1, int thread)
 		float *restrict radius = b->radius + (ptrdiff_t)y * b->width, reach = 0;
 		const float *restrict full = b->full ? b->full + (ptrdiff_t)y * b->width : NULL;
 		for (int x = 0; x < b->width; x++) {
-			float most = !full ? b->p->contrast_max : full[x] > 0.25f ? full[x] : 0.25f;
+			float most = !full ? b->p->contrast_full : full[x] > 0.25f ? full[x] : 0.25f;
 			radius[x] = widest * metric_strength(radius[x], least, most);
 		}
 		for (int x = 0; x < b->width; x++) {
@@ -185,7 +185,7 @@ static void plan(bake *b, arena *a)
 	b->ring = arena_take(a, threads * 9 * b->padded, sizeof *b->ring);
 	b->sheet = b->job->output.data ? arena_take(a, threads * SHEET * b->padded, sizeof *b->sheet) : NULL;
 	b->full = NULL;
-	if (b->p->contrast_auto) {
+	if (b->p->contrast_local) {
 		b->full = arena_take(a, width * height, sizeof *b->full);
 		b->window =
 			ISA(window_plan)(a, b->bands, b->width, b->height, b->p->contrast_window, b->wrap_x, b->wrap_y);

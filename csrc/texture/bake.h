@@ -16,12 +16,12 @@ typedef struct bake {
 	bands *bands;
 	float *radius;   /* width * height: the greatest difference of a texel's pairs, then half its line's width, 0 =
 			    none */
-	float *full;     /* likewise: the difference that gives a full line; NULL unless contrast_auto */
+	float *full;     /* likewise: the difference that gives a full line; NULL unless contrast_local */
 	float *reach;    /* per row: how far its lines go up and down */
 	float *greatest; /* per row: greatest difference */
 	int64_t *bad;    /* per row: values that are not finite */
 	float *ring;     /* per thread: 3 rows of 3 planes of `padded` floats */
-	wide_window window; /* for contrast_auto */
+	wide_window window; /* for contrast_local */
 	float *sheet;       /* per thread: SHEET rows of `padded` floats */
 	size_t padded;
 	float farthest; /* the largest of reach */

@@ -36,7 +36,8 @@ static void snap(tone_slot *s)
 static void turn_to_light(const frame *f, const encre_params *p, tone_slot *s)
 {
 	const float degree = 0.0174532925f, *view = f->camera.view;
-	float turn = p->tone_light_turn * degree, height = p->tone_light_height * degree, level = pixel_cos(height);
+	float turn = p->tone_light_direction * degree, height = p->tone_light_height * degree,
+	      level = pixel_cos(height);
 	float light[3] = {pixel_cos(turn) * level, pixel_sin(turn) * level, pixel_sin(height)};
 	s->by_uv = p->tone_strokes == tone_strokes_UV && !tone_flat(s);
 	s->to_light = p->tone_strokes == tone_strokes_LIGHT;

@@ -20,7 +20,7 @@ ENUM(tone_strokes, SURFACE, 0, "use_tones", "Strokes", "Which way the strokes of
      ITEM(tone_strokes, FORM, 0, "Along the Form", "Around what is round, else along planes that cut the thing")
      ITEM(tone_strokes, LIGHT, 1, "Toward the Light", "Down from where the light comes")
      ITEM(tone_strokes, UV, 2, "Along UV", "Along U of the UV map that renders use; along the form where there is none"))
-FLOAT(tone_light_turn, SURFACE, 135, -180, 180, -180, 180, "degrees", "use_tones&tone_strokes=LIGHT", "Light Direction", "Where the light comes from, in degrees about the up axis: 0 is along X, 90 along Y")
+FLOAT(tone_light_direction, SURFACE, 135, -180, 180, -180, 180, "degrees", "use_tones&tone_strokes=LIGHT", "Light Direction", "Where the light comes from, in degrees about the up axis: 0 is along X, 90 along Y")
 FLOAT(tone_light_height, SURFACE, 45, -90, 90, 0, 90, "degrees", "use_tones&tone_strokes=LIGHT", "Light Height", "How high the light is above the ground, in degrees")
 ENUM(tone_pitch_unit, FRAME, 0, "use_tones", "Spacing Unit", "What pitches are measured in",
      ITEM(tone_pitch_unit, LENGTH, 0, "Length", "As other lengths, from dot to dot")

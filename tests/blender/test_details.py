@@ -28,7 +28,7 @@ def test_the_library_has_the_scenes_threads(facts):
 
 def test_what_has_no_effect_is_greyed_out(facts):
     for rule, detector, auto, enabled in facts["enabled"]:
-        assert "!contrast_auto" in rule
+        assert "!contrast_local" in rule
         assert enabled == (detector == "CONTRAST" and not auto)
 
 

@@ -239,7 +239,7 @@ def test_lines_by_hand(render):
     thin = shot.passes("thin")["Encre Lines"][..., 3]
     for x in column:
         assert thin[60, int(x) - 5:int(x) + 7].sum() < 0.6 * found["Encre Lines"][60, int(x) - 5:int(x) + 7, 3].sum()
-    for change, most in (({}, 1e-5), ({"edge_mark": 0.0}, 1)):
+    for change, most in (({}, 1e-5), ({"line_mark_strength": 0.0}, 1)):
         again = shot.folder / "again.exr"
         composite(str(shot.folder / "marked.exr"), str(again), change)
         other = shot.passes("again")["Encre Lines"][..., 3]

@@ -45,7 +45,7 @@ def test_a_look_is_saved_with_a_picture_and_applied(presets):
     assert all(picture for _, own, picture in presets["saved"][0][0] if own)
     [file] = presets["file"]
     assert (file["name"], file["description"]) == ("My Look", "As I like it")
-    assert file["values"]["line_thickness"] == 7.3 and file["values"]["line_color"] == [0.1, 0.2, 0.3]
+    assert file["values"]["line_thickness"] == 7.3 and file["values"]["ink_color"] == [0.1, 0.2, 0.3]
     assert not {"supersample", "save_layers", "paper_image"} & file["values"].keys()
     size, tint, least, most = presets["picture"][0]
     assert size == [128, 128] and tint < 0.2 and least < 0.3 and most == 1
@@ -78,7 +78,7 @@ def copied(render):
 def test_settings_are_copied_between_scenes_and_styles(copied):
     assert not copied["offered without a style"]
     scene, style = copied["first"]
-    assert {"edge_detector", "paper_image", "shade_levels", "line_color"} <= scene.keys()
+    assert {"edge_detector", "paper_image", "shade_levels", "ink_color"} <= scene.keys()
     assert style == {"hatch_amount": 0.25} and copied["paste"] == ["FINISHED"]
     assert copied["second"] == [scene, style, ["Style", "Mine"]]
     assert copied["scene to style"] == {"line_thickness": 60}

@@ -7,8 +7,8 @@ import pytest
 from encre.cli.composite import composite
 
 LAMPS = ["sun", "wide", "point", "ball", "spot", "soft", "square", "rectangle", "disk", "ellipse"]
-LEVEL = dict(use_shading=True, use_lines=True, use_hatching=False, use_smudging=False, edge_light=4.0,
-             line_thickness=2.0, length_unit="PIXELS", line_softness=0.0, line_paper=0.0)
+LEVEL = dict(use_shading=True, use_lines=True, use_hatching=False, use_smudging=False, line_shadow_strength=4.0,
+             line_thickness=2.0, length_unit="PIXELS", pen_1_softness=0.0, pen_1_grain=0.0)
 
 
 @pytest.fixture(scope="module")

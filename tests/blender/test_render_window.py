@@ -175,7 +175,7 @@ def test_a_file_that_is_opened_is_drawn_anew(redraw):
         assert np.abs(again - fresh).max() <= 1 / 255 and np.abs(again - thin).max() > 0.2, name
         assert np.abs(read(redraw, f"{name}-hand") - thin).max() > 0.05, name
     for lacks, drawn in redraw.facts["lacks"]:  # a hand that sticks to the picture, as encre composite says too
-        assert drawn and len(lacks) == 1 and "no rest positions, which save_anchor=ON renders" in lacks[0]
+        assert drawn and len(lacks) == 1 and "no rest positions, which save_rest=ON renders" in lacks[0]
     assert all("160 x 90" in said and "170 x 90" in said for said in redraw.facts["not opened"])
 
 

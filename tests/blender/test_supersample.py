@@ -144,7 +144,7 @@ def test_pixels_are_of_the_frame():
 
     assert np.array_equal(ink(length_unit="PIXELS", line_thickness=4, paper_scale=2),
                           ink(length_unit="PIXELS", line_thickness=2, paper_scale=1, supersample=2, smudge_range=5,
-                              smudge_pick=3.5, line_max_thickness=64))
+                              smudge_pick=3.5, line_thickest=64))
     assert np.array_equal(ink(line_thickness=100), ink(line_thickness=100, supersample=4))
 
 

@@ -41,7 +41,7 @@ def test_every_row_has_its_place(shot):
 
 def test_lists_show_pens_and_tones_and_names_are_undone(shot):
     assert fact(shot, "listed") == {"pens": [0, 1, 2], "tones": [0, 1, 2]}
-    assert shot.facts["pen"] == ["Pen", "Sketch", "Pen", "Sketch"]
+    assert shot.facts["pen"] == ["Pen 1", "Sketch", "Pen 1", "Sketch"]
 
 
 def test_encres_panel_stands_under_the_engines_row(shot):

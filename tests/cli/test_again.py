@@ -55,7 +55,7 @@ cube.encre.style = "Faint"
 PAPER = """
 paper = bpy.data.images.new("Sheet", 32, 32)
 paper.pixels = [v for k in range(32 * 32) for v in (0.5 + (k * 7919 % 101) / 250,) * 3 + (1,)]
-scene.encre.paper_source, scene.encre.paper_image, scene.encre.line_paper = "IMAGE", paper, 1.0
+scene.encre.paper_source, scene.encre.paper_image, scene.encre.pen_1_grain = "IMAGE", paper, 1.0
 """
 BALLS = """
 own = bpy.data.images.new("Own", 64, 64)
@@ -66,14 +66,14 @@ scene.encre.example_ball = "IMAGE"
 scene.encre.example_image = bpy.data.images.load(__file__.replace("scene.py", "own.tif"))
 """
 MIRROR = "floor.data.materials[0] = material('Mirror', (0.9, 0.9, 0.9), Metallic=1, Roughness=0)\n"
-OWN = "scene.encre.layer_source, scene.encre.edge_seen = 'ENCRE', 1\n"
+OWN = "scene.encre.layer_source, scene.encre.line_mirror_strength = 'ENCRE', 1\n"
 NO_MESH = """
 bpy.ops.object.metaball_add(location=(-0.5, -1.5, 0.2))
 bpy.ops.object.text_add(location=(0.8, -1.2, 0))
 bpy.ops.curve.primitive_bezier_circle_add(location=(-1, 1, 0.5))
 bpy.context.object.data.bevel_depth = 0.2
 bpy.ops.surface.primitive_nurbs_surface_sphere_add(location=(1.8, 1, 0))
-scene.encre.save_anchor = "ON"
+scene.encre.save_rest = "ON"
 """
 FEATURES = {  # name: (lines of the scene, words of the only sentence that is said, whether Combined is the same)
     "plain": ("", None, True),
@@ -97,7 +97,7 @@ FEATURES = {  # name: (lines of the scene, words of the only sentence that is sa
                    "what the compositor made (Composite.Combined) is not drawn again", True),
     "supersample": ("scene.encre.supersample = 2\n", "supersample 2 needs a render", False),
     "creases from normals": ("scene.encre.crease_source = 'LAYERS'\n", None, True),
-    "smooth creases": ("bpy.ops.object.select_all(action='DESELECT')\nscene.encre.crease_smooth = True\n"
+    "smooth creases": ("bpy.ops.object.select_all(action='DESELECT')\nscene.encre.crease_angle_smooth = True\n"
                        "for face in ball.data.polygons:\n    face.use_smooth = True\n", None, True),
     "orthographic": ("camera.data.type, camera.data.ortho_scale = 'ORTHO', 6\n", None, True),
     "shift and clipping": ("camera.data.shift_x, camera.data.clip_start = 0.2, 3.0\n", None, True),

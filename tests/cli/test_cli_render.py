@@ -51,7 +51,7 @@ def test_slim_files_hold_what_restyling_reads(tmp_path, more):
     assert slim.stat().st_size < 0.45 * whole.stat().st_size
     name = "ViewLayer.Combined.right" if "multiview" in more else "ViewLayer.Combined"
     for options in [], ["--preset=ink_only", "--set=light_source=CYCLES", "--set=line_thickness=9",
-                    "--set=line_pen_light=PEN"]:
+                    "--set=line_shadow_pen=PEN"]:
         assert works(encre("composite", slim, "-o", tmp_path / "a.exr", *options)) == ""
         works(encre("composite", whole, "-o", tmp_path / "b.exr", *options))
         a, b = (exr.part(tmp_path / f"{name_}.exr", name) for name_ in "ab")
@@ -153,18 +153,18 @@ def test_stereo(tmp_path):
 
 def test_settings_reach_the_engine(cube, tmp_path):
     first, second = tmp_path / "a.exr", tmp_path / "b.exr"
-    works(encre("render", cube, "-o", first, ALL, "--preset", "Ink only", "--full", "--set", "line_color=1,0,0",
+    works(encre("render", cube, "-o", first, ALL, "--preset", "Ink only", "--full", "--set", "ink_color=1,0,0",
                 "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0", "--set", "light_source=CYCLES", "--samples", "3"))
     settings = metadata.read(exr.metadata(first))
-    assert settings.scene["line_color"] == (1, 0, 0) and settings.scene["surface"] == "PAPER"
+    assert settings.scene["ink_color"] == (1, 0, 0) and settings.scene["surface"] == "PAPER"
     assert settings.scene["shade_levels"][1] == pytest.approx((1, 0.5, 0.1, 1, 0, 0))
     assert exr.metadata(first)["cycles.ViewLayer.samples"] == "3"
     # A frame restyled equals a frame rendered in the new style.
-    err = works(encre("render", cube, "-o", second, ALL, "--samples", "3", "--set=save_anchor=ON",
-                      "--set=sobel_shape_threshold=.5"))
-    assert "changes nothing here: sobel_shape_threshold (it needs edge_detector=SOBEL)" in err
+    err = works(encre("render", cube, "-o", second, ALL, "--samples", "3", "--set=save_rest=ON",
+                      "--set=sobel_crease_threshold=.5"))
+    assert "changes nothing here: sobel_crease_threshold (it needs edge_detector=SOBEL)" in err
     err = works(encre("composite", second, "-o", tmp_path / "c.exr", "--preset", "Ink only",
-                      "--set", "line_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0",
+                      "--set", "ink_color=1,0,0", "--set", "shade_levels=0.3; 1,0.5,0.1,1,0,0",
                       "--set", "layer_source=ENCRE"))
     assert "light_source DRAWN needs a render" in err and "layer_source ENCRE needs a render" in err
     assert np.abs(exr.picture(tmp_path / "c.exr") - exr.part(first, "ViewLayer.Combined")).max() <= 1e-5
@@ -211,13 +211,16 @@ def test_choices(tmp_path):
 
 
 def test_blend_file(tmp_path):
-    """A saved file renders as it stands: its own engine, frame and settings are no obstacle."""
+    """A saved file renders as it stands: its own engine, frame and settings are no obstacle, nor what it keeps of an
+    Encre that named them otherwise."""
     blend = tmp_path / "cube.blend"
     path = script(tmp_path, 'scene.encre.line_thickness = 21\nscene.render.engine = "CYCLES"\nscene.frame_current = 7\n'
+                            'scene.encre["line_crease_strength"] = 2.0\n'
                             f'bpy.ops.wm.save_as_mainfile(filepath={str(blend)!r})\n')
     works(encre("render", path, "-o", tmp_path / "a.exr"))
     before = blend.read_bytes()
-    assert works(encre("render", blend, "-o", tmp_path / "b.exr")).startswith("frame 7 ")
+    said = works(encre("render", blend, "-o", tmp_path / "b.exr"))
+    assert "frame 7 (1/1)" in said and "does not know, and which change nothing: line_crease_strength;" in said
     assert metadata.read(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
     assert blend.read_bytes() == before
 

@@ -53,8 +53,8 @@ scene.cycles.samples, scene.cycles.use_denoising = 16, False
 scene.render.resolution_x, scene.render.resolution_y = 480, 270
 scene.view_settings.view_transform = "Standard"
 '''
-FLAT = ("--preset", "inter_color", "--set", "line_thickness=24", "--set", "line_depth_distance=4",
-        "--set", "line_depth_unit=SCENE", "--set", "line_depth_most=4", "--set", "line_depth_least=0", "--quadrants")
+FLAT = ("--preset", "inter_color", "--set", "line_thickness=24", "--set", "line_far_distance=4",
+        "--set", "line_far_unit=SCENE", "--set", "line_far_thickest=4", "--set", "line_far_thinnest=0", "--quadrants")
 
 
 @pytest.fixture
@@ -113,7 +113,7 @@ def test_seed_chooses_the_side(stripes, tmp_path):
 
 
 def test_one_frame_by_a_distance_relative_to_the_scene(stripes, tmp_path):
-    scene = ("--set", "line_depth_unit=RELATIVE", "--set", "line_depth_distance=1")
+    scene = ("--set", "line_far_unit=RELATIVE", "--set", "line_far_distance=1")
     works(encre(stripes, "-o", tmp_path / "out.png", *FLAT, *scene, "--size", "120x68", "-f", 2, "--samples", 1))
     assert split(tmp_path / "out.png")[2].min() < 0.2  # the dynamic lines
 
@@ -150,7 +150,7 @@ def test_mips_and_uniform(stripes, tmp_path):
 
 @pytest.mark.parametrize(("options", "words"), [
     (["--set", "line_thickness=3"], ["no lines between colors", "--preset inter_color"]),
-    (["--preset", "inter_color", "--set", "line_depth_distance=0"], ["line_depth_distance"]),
+    (["--preset", "inter_color", "--set", "line_far_distance=0"], ["line_far_distance"]),
     (["--preset", "inter_color", "-f", "1", "-s", "2"], ["-f", "-s"]),
     (["--seed", "first"], ["first"]),
     (["-f", "99999999999"], ["frame number"]),

@@ -54,7 +54,7 @@ def test_what_sticks_wants_rest_positions(run, tmp_path, scene):
     along = "use_tones=on", "tone_1=HATCH", "tone_1_space=SURFACE", "tone_strokes=UV"
     assert noted(*along, path=anchored, what="directions of UV maps")
     assert not noted(*along[:3], path=anchored, what="UV")
-    assert noted("pen_wobble=1") and noted("use_tones=on", "tone_1_space=SURFACE")
+    assert noted("pen_1_wobble=1") and noted("use_tones=on", "tone_1_space=SURFACE")
     assert not noted() and not noted("use_tones=on")
     assert "Encre Anchor: missing; render with Encre and Save Anchor on" in run("composite", path, "--check")[1]
 
@@ -87,7 +87,7 @@ def test_composite_changes_the_scenes_settings_and_no_styles(run, tmp_path, fram
                          "--set", "light_source=CYCLES", "--set", "line_thickness=40",
                          "--set", "shade_levels=0.2; 0.7,0.3,0.1; 1,0.6,0.1,1,0.5,0")
     assert status == 0 and err.count("\n") == 2
-    assert "rest positions" in err and "edge_color (one color everywhere)" in err
+    assert "rest positions" in err and "line_color_strength (one color everywhere)" in err
     settings = {**presets.find("ink_only").values, "line_thickness": 40,
                 "shade_levels": [(0.2,), (0.7, 0.3, 0.1), (1, 0.6, 0.1, 1, 0.5, 0)]}
     again = expected(pictures, settings, [STYLES[0][1]], camera, frame)["Combined"]
@@ -298,7 +298,7 @@ def test_all_view_layers_are_drawn(run, tmp_path, scene):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("ending", "change", "most"), [("exr", {}, 189), ("exr", {"edge_seen": 0.0}, 161),
+@pytest.mark.parametrize(("ending", "change", "most"), [("exr", {}, 189), ("exr", {"line_mirror_strength": 0.0}, 161),
                                                         ("png", {}, 143)])
 def test_memory_of_composite(tmp_path, monkeypatch, ending, change, most):
     """numpy counts its pictures with Python's memory; OpenImageIO's are copied here, so that they count as well."""

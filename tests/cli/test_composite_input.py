@@ -87,8 +87,9 @@ def test_depth_in_grey_and_small_letters(run, tmp_path, scene):
     assert run("composite", tmp_path / "b.exr", "-o", tmp_path / "bo.exr", "--layer", "depth=ZDepth")[0] == 0
     want = expected({name: pictures[name] for name in ("Combined", "Depth")} | {
         "DiffCol": np.clip(scene["combined"][..., :3], 0, 1), "Normal": 0 * pictures["Normal"],
-        "DiffDir": 0 * pictures["Normal"] + 1}, {"use_shading": False, "use_hatching": False, "edge_light": 0.0,
-                                                 "line_light": 0.0})["Combined"]
+        "DiffDir": 0 * pictures["Normal"] + 1}, {"use_shading": False, "use_hatching": False,
+                                                 "line_shadow_strength": 0.0,
+                                                 "ink_in_shade": 0.0})["Combined"]
     for file in "ao", "bo":
         made = exr.read(tmp_path / f"{file}.exr")
         assert np.array_equal(np.stack([made[letter] for letter in "RGBA"], -1), want), file
@@ -141,7 +142,7 @@ def test_cryptomatte_is_the_object_index(run, tmp_path, scene, monkeypatch):
     del pictures["IndexOB"]
     path = exr.write(tmp_path / "in.exr", {**pictures, "CryptoObject00": matte})
     status, _, err = run("composite", path, "-o", tmp_path / "out.exr")
-    assert status == 0 and "edge_object" not in err, err
+    assert status == 0 and "line_outline_strength" not in err, err
     assert np.array_equal(exr.picture(tmp_path / "out.exr"), want), "only which objects differ counts, not how"
 
 
@@ -207,7 +208,7 @@ main.main(["composite", "plain.exr", "-o", "a.exr", "--set=light_denoise=NONE"])
     (["--set", "line_thickness"], ["line_thickness", "ID=VALUE"]),
     (["--set", "edge_detector=DOGS"], ["edge_detector", "DOG"]),
     (["--set", "use_lines=maybe"], ["use_lines", "maybe"]),
-    (["--set", "line_color=1,0"], ["line_color"]),
+    (["--set", "ink_color=1,0"], ["ink_color"]),
     (["--set", "shade_levels=0.5; 0.7,0.5,0.2; 1,0.55,0.2"], ["shade_levels", "overlap"]),
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "water_memory"]),

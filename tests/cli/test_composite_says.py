@@ -46,14 +46,15 @@ def test_what_is_set_in_vain_is_said(run, tmp_path, scene):
         assert status == 0
         return err
 
-    some = ("edge_detector=DOG", "line_min_length=3", "line_thickness=7", "hatch_amount=.5", "contrast_auto=on",
-            "contrast_max=.1")
+    some = ("edge_detector=DOG", "line_shortest=3", "line_thickness=7", "hatch_amount=.5", "contrast_local=on",
+            "contrast_full=.1")
     assert said((), *some) == (
-        "encre: note: what was set changes nothing here: line_min_length (it needs edge_detector=FINE), "
-        "hatch_amount (it needs use_hatching=on), contrast_max (it needs contrast_auto=off)\n")
-    assert said((), *some, "use_hatching=on", "edge_detector=FINE", "contrast_auto=off") == ""
+        "encre: note: what was set changes nothing here: line_shortest (it needs edge_detector=FINE), "
+        "hatch_amount (it needs use_hatching=on), contrast_full (it needs contrast_local=off)\n")
+    assert said((), *some, "use_hatching=on", "edge_detector=FINE", "contrast_local=off") == ""
     assert said([("Pencil", {"use_hatching": True})], "hatch_amount=.5") == ""
-    assert said((), "edge_normal=0", "crease_angle=9").endswith(": crease_angle (it needs edge_normal above 0)\n")
+    assert said((), "line_crease_strength=0",
+                "crease_angle=9").endswith(": crease_angle (it needs line_crease_strength above 0)\n")
     assert "paper_scale (it needs paper_source=PROCEDURAL or IMAGE)" in said((), "paper_source=NONE", "paper_scale=4")
 
 
@@ -69,17 +70,18 @@ def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, sce
         assert status == 0
         return err
 
-    err = said("--set=edge_material=1")
+    err = said("--set=line_material_strength=1")
     assert err.startswith("encre: note: ") and err.count("\n") == 1
-    for source in ("edge_object (one index everywhere)", "edge_material (", "edge_seen (no passes"):
+    for source in ("line_outline_strength (one index everywhere)", "line_material_strength (",
+                   "line_mirror_strength (no passes"):
         assert source in err
-    assert "edge_normal" not in err and "edge_color" not in err
-    assert said("--set=edge_object=0", "--set=edge_seen=0") == ""
+    assert "line_crease_strength" not in err and "line_color_strength" not in err
+    assert said("--set=line_outline_strength=0", "--set=line_mirror_strength=0") == ""
     assert said("--set=use_lines=off", "--set=use_smudging=off") == ""
     pictures.update(seen)
-    assert "edge_seen" not in said()
+    assert "line_mirror_strength" not in said()
     del stored[metadata.CAMERA]  # whose normals they are is not known
-    assert "edge_seen" in said()
+    assert "line_mirror_strength" in said()
 
 
 def test_another_light_is_said_where_it_would_be_seen(run, tmp_path, scene):
@@ -96,7 +98,7 @@ def test_another_light_is_said_where_it_would_be_seen(run, tmp_path, scene):
     assert said({}, {}) and said({}, {"light_source": "DRAWN"}, "--set=light_source=CYCLES")
     assert not said({}, {"light_source": "DRAWN"})
     assert not said({}, {"layer_source": "ENCRE"}), "whose light is always drawn"
-    assert not said({}, {}, "--set=use_shading=off", "--set=edge_light=0")
+    assert not said({}, {}, "--set=use_shading=off", "--set=line_shadow_strength=0")
     assert not said(dict.fromkeys(("Encre Diffuse", "DiffDir", "DiffInd", "Encre Source")), {}), "there is no light"
     assert not said({"Encre Diffuse": np.ones_like(scene["diffuse"])}, {}), "it is the same everywhere"
 
@@ -113,7 +115,7 @@ def test_lines_in_pixels_that_run_together_are_said(run, tmp_path, scene):
 
     [words] = said("--preset=inter_color_2016")
     assert "lines of 22 px run together in a picture 360 px high; make it larger than 733" in words
-    assert said("--preset=inter_color_2016", "--set=line_max_thickness=10") == []
+    assert said("--preset=inter_color_2016", "--set=line_thickest=10") == []
     assert said("--preset=inter_color_2016", "--set=length_unit=RELATIVE") == []
     assert said("--preset=water_memory_2020") == said("--set=line_thickness=100") == []
 

@@ -26,7 +26,7 @@ def job(tmp_path):
     """As encre submit makes it."""
     return submit.Job(name="encre-it's", encre="encre", scene=str(tmp_path / "a b" / "it's.blend"),
                       out=str(tmp_path / "out dir" / "it's.####.png"), frames=[1, 2, 3, 4, 5, 7, 9, 11],
-                      options=["--set", "line_color=1, 0,0", "--samples", "4"], inputs=[str(tmp_path / "wood.png")],
+                      options=["--set", "ink_color=1, 0,0", "--samples", "4"], inputs=[str(tmp_path / "wood.png")],
                       fps=24, place=str(tmp_path / "job"), chunk=3, film=str(tmp_path / "it's.mp4"), cpus=8,
                       memory=6)
 

@@ -77,8 +77,9 @@ def picture(mesh, **values):
     layers = dict(combined=np.dstack([grey, np.ones(SIZE[::-1], np.float32)]), color=grey, diffuse=grey,
                   depth=maps["depth"], normal=np.zeros_like(grey), object=maps["object"], marks=maps["marks"],
                   creases=creases)
-    scene = dict(edge_detector="FINE", line_thickness=3.0, length_unit="PIXELS", line_softness=0.0, line_paper=0.0,
-                 line_gain=0.5, line_intensity=2.0, width_normal=1.0, edge_depth=0.0, edge_object=0.0)
+    scene = dict(edge_detector="FINE", line_thickness=3.0, length_unit="PIXELS", pen_1_softness=0.0, pen_1_grain=0.0,
+                 pen_1_steepness=0.5, pen_1_intensity=2.0, line_crease_width=1.0, line_inner_strength=0.0,
+                 line_outline_strength=0.0)
     camera = Camera(orthographic=True, height=540.0)
     out = library.render(layers, {**scene, **values}, camera=camera, frame=FRAME, outputs=("Encre Lines",))
     return out.images["Encre Lines"][..., 3]
@@ -168,7 +169,7 @@ def test_nor_has_a_nearly_level_rod(sides, radius):
 
 def test_smooth_ones_need_the_angle_of_smooth_edges():
     assert widths(bevel(4, 3, bend=50, kind="smooth"))[0].max() == 0
-    assert widths(bevel(4, 3, bend=50, kind="smooth"), crease_smooth=40.0)[0].min() > 1
+    assert widths(bevel(4, 3, bend=50, kind="smooth"), crease_angle_smooth=40.0)[0].min() > 1
     assert widths(bevel(4, 3, bend=50))[0].min() > 1
     assert widths(bevel(4, 3, bend=90, kind="smooth"))[0].min() > 2
 
@@ -181,8 +182,8 @@ def ripple(size, kind):
 
 @pytest.mark.parametrize("size", [0.5, 0.7])
 def test_smooth_cloth_that_folds_everywhere_has_no_line(size):
-    assert not picture(ripple(size, "smooth"), crease_smooth=40.0)[8:-8].any()
-    assert picture(ripple(12, "smooth"), crease_smooth=40.0)[8:-8].any(), "by itself each is one"
+    assert not picture(ripple(size, "smooth"), crease_angle_smooth=40.0)[8:-8].any()
+    assert picture(ripple(12, "smooth"), crease_angle_smooth=40.0)[8:-8].any(), "by itself each is one"
 
 
 def test_a_sharp_edge_stays_what_it_is():

@@ -15,7 +15,7 @@ FIRST = {"CRACK": 0, "RIDGE": 16, "MORE": 32}  # of a word of marks, among the n
 WORDS = {name.lower(): FIRST[word or dict(CRACK="CRACK", THIN="RIDGE", VALLEY="MORE")[kind]] + int(bit)
          for kind, name, word, bit in re.findall(
              r"^(?!CHAIN)(\w+)_FAMILY\((\w+),.*?(RIDGE|MORE|), +(\d+)\)", ROWS.read_text(), re.MULTILINE)}
-SETTINGS = dict(edge_color=2.0, edge_light=3.0, edge_seen=1.0, edge_threshold=0.05)
+SETTINGS = dict(line_color_strength=2.0, line_shadow_strength=3.0, line_mirror_strength=1.0, edge_threshold=0.05)
 TILE, WIDE, MARGIN = (60, 70), 10, 12  # two tiles; strips, and what lies around them and may say what they show
 
 

@@ -55,7 +55,7 @@ def aslant(turn, half, depth):
 @pytest.mark.parametrize("depth", [3.98, 4.0, 4.03])
 def test_the_sides_of_a_stripe_aslant_never_meet(turn, depth):
     """Whether it is inlaid, or lies a little before or behind what is beside it."""
-    site, links = left(aslant(turn, 0.55, depth), edge_color=0.0)
+    site, links = left(aslant(turn, 0.55, depth), line_color_strength=0.0)
     assert len(site) > 60 and links.max() == 2
 
 
@@ -63,7 +63,7 @@ def test_the_sides_of_a_stripe_aslant_never_meet(turn, depth):
     (45, 0.4, 3.955, 35), (45, 0.4, 3.965, 0), (60, 0.5, 3.9, 4)])  # of the last, other places show on five
 def test_those_of_a_wire_do_where_it_is_narrower_than_a_pixel(turn, half, depth, meet):
     """It lies 0.01 of its depth before the others, and shows on four of the 4x4 pixels about the place."""
-    site, links = left(aslant(turn, half, depth), edge_color=0.0)
+    site, links = left(aslant(turn, half, depth), line_color_strength=0.0)
     inner = (np.abs(site["x"] - 31.5) < 26) & (np.abs(site["y"] - 23.5) < 18)
     assert (links[inner] > 2).sum() == meet
 
@@ -87,7 +87,7 @@ def ledge(wide, place):
 def test_a_fold_close_beside_an_outline_is_whole(place):
     """The last pixel before the outline's own shows one face: that is enough to tell where it ends."""
     layers, fold = ledge(2.6, place)
-    site, _ = left(layers, edge_color=0.0)
+    site, _ = left(layers, line_color_strength=0.0)
     crease = site[site["family"] == FAMILIES.index("normal")]
     off = np.abs(crease["y"] - fold[np.rint(crease["x"]).astype(int)])
     assert len(set(np.rint(crease["x"]).astype(int))) > 88 and off.max() < 0.15
@@ -106,5 +106,5 @@ def test_a_pole_has_no_fold_beside_its_rim(radius):
     layers = dict(combined=np.ones((48, 96, 4)), color=flat, diffuse=flat, albedo=flat, normal=normal,
                   depth=np.broadcast_to(np.where(on, 3.0, 4.0), (48, 96)),
                   object=np.broadcast_to(np.where(on, 2, 1), (48, 96)))
-    site, _ = left({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, edge_color=0.0)
+    site, _ = left({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, line_color_strength=0.0)
     assert len(site) > 80 and not site["family"].any()

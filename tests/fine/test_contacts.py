@@ -10,7 +10,7 @@ from judge import measure, scenes, verdict
 def place_of_contacts(scene, filter):
     """How far hairlines between things that touch are from where they do, of layers that no mesh is told of."""
     t = pages.drawer("FINE")(scene.layers(filter), scene.camera_settings,
-                             **verdict.PARAMS | {"edge_light": 0.0, "edge_color": 0.0})
+                             **verdict.PARAMS | {"line_shadow_strength": 0.0, "line_color_strength": 0.0})
     truth = scene.truth
     clear = measure._clear(truth, 3.5)
     truth.clear[3.5] = clear.take(clear.index & (clear.depth < 0.003))
@@ -43,6 +43,7 @@ def wall_before_a_floor(samples):
 
 def test_averages_know_where_a_thing_ends_before_it_touches():
     """The planes meet .6 pixel farther out than the wall reaches; where colours are averaged they tell."""
-    t = pages.drawer("FINE")(wall_before_a_floor(256), {}, **verdict.PARAMS | {"edge_light": 0.0, "edge_color": 0.0})
+    t = pages.drawer("FINE")(wall_before_a_floor(256), {}, **verdict.PARAMS | {"line_shadow_strength": 0.0,
+                                                                               "line_color_strength": 0.0})
     place = (t[20:40] * np.arange(30)).sum(1) / t[20:40].sum(1)
     assert np.abs(place - END).max() < 0.15

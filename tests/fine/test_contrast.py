@@ -7,7 +7,7 @@ from encre.pen.job import Frame
 from encre.pen.library import load
 
 HEIGHT, WIDTH, WALLS = 20, 240, (60, 100)
-ALONE = {f"edge_{source}": 0.0 for source in ("object", "depth", "normal", "material", "mark", "seen")}
+ALONE = {f"line_{kind}_strength": 0.0 for kind in ("outline", "inner", "crease", "material", "mark", "mirror")}
 SCENE = ALONE | {"edge_threshold": 0.0, "contrast_threshold": 0.0, "length_unit": "PIXELS"}
 LEVELS = [(0.1,), (0.4, 0.5, 0.0), (0.9, 1.5, 0.0)]
 
@@ -39,7 +39,8 @@ def layers(greys, source):
 
 
 def strengths(greys, source, **settings):
-    weight = {"color": "edge_color", "light": "edge_light", "soft light": "edge_light", "seen": "edge_seen"}[source]
+    weight = {"color": "line_color_strength", "light": "line_shadow_strength", "soft light": "line_shadow_strength",
+              "seen": "line_mirror_strength"}[source]
     scene = {**SCENE, weight: 1.0, "shade_levels": LEVELS, **settings}
     edges = load().render(layers(greys, source), scene, outputs=["Encre Edges"], frame=Frame(WIDTH, HEIGHT))
     edges = edges.images["Encre Edges"][HEIGHT // 2, :, 0]
@@ -54,7 +55,7 @@ SOURCES = ["color", "light", "soft light", "seen"]
 @pytest.mark.parametrize("source", SOURCES)
 @pytest.mark.parametrize("full", [1.0, 0.5])
 def test_full_contrast(source, full):
-    assert strengths(GREYS, source, contrast_max=full) == pytest.approx([min(1, FIRST / full), min(1, SECOND / full)],
+    assert strengths(GREYS, source, contrast_full=full) == pytest.approx([min(1, FIRST / full), min(1, SECOND / full)],
                                                                          abs=2e-3)
 
 
@@ -62,22 +63,23 @@ def test_full_contrast(source, full):
 def test_the_strongest_nearby_is_full(source):
     most = max(FIRST, SECOND)
     assert min(FIRST, SECOND) > 0.25
-    near = strengths(GREYS, source, contrast_auto=True, contrast_window=100.0)
+    near = strengths(GREYS, source, contrast_local=True, contrast_window=100.0)
     assert near == pytest.approx([FIRST / most, SECOND / most], abs=2e-3)
-    assert strengths(GREYS, source, contrast_auto=True, contrast_window=40.0) == pytest.approx([1, 1], abs=2e-3)
+    assert strengths(GREYS, source, contrast_local=True, contrast_window=40.0) == pytest.approx([1, 1], abs=2e-3)
 
 
 @pytest.mark.parametrize("source", ["color", "seen"])
 def test_a_quarter_is_full_at_least(source):
     greys = 0.5, 0.55, 0.5
     difference = encoded(0.55) - encoded(0.5)
-    assert strengths(greys, source, contrast_auto=True) == pytest.approx([difference / 0.25] * 2, abs=2e-3)
+    assert strengths(greys, source, contrast_local=True) == pytest.approx([difference / 0.25] * 2, abs=2e-3)
 
 
 def test_other_metrics_and_threads():
     layer = layers((0.0, 1.0, 0.5), "color")
     for metric in ("CIE76", "CIEDE2000", "CMC"):
-        scene = {**SCENE, "edge_color": 1.0, "edge_light": 1.0, "contrast_metric": metric, "contrast_auto": True}
+        scene = {**SCENE, "line_color_strength": 1.0, "line_shadow_strength": 1.0, "contrast_metric": metric,
+                 "contrast_local": True}
         got = [load().render(layer, scene, outputs=["Encre Edges", "Combined"], threads=threads, simd=simd).images
                for threads, simd in ((1, 1), (3, 0))]
         assert got[0]["Encre Edges"].max() == 1
@@ -107,7 +109,8 @@ def test_a_joint_that_nothing_has_averaged_is_one_line(high):
     up = y - 0.06 * x - 12
     grey = np.where(up < 0, 0.5, np.where(up < high, 0.2, 0.56))
     layers["albedo"] = np.ascontiguousarray(np.repeat(grey[..., None], 3, 2), np.float32)
-    ink = load().render(layers, SCENE | {"edge_color": 1.0}, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
+    ink = load().render(layers, SCENE | {"line_color_strength": 1.0},
+                        outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
     drawn = ink[:, 10:150] > 0.25
     assert (np.diff(drawn.astype(int), axis=0) > 0).sum(0).tolist() == [1] * 140
 
@@ -116,7 +119,8 @@ def test_a_joint_that_nothing_has_averaged_is_one_line(high):
 def test_joints_between_bricks_are_whole_or_not_there(joint, drawn):
     """Those that look wide have two sides, each half as strong as the one line of a narrow one."""
     full = encoded(0.5) - encoded(0.4)
-    scene = SCENE | {"edge_color": 1.0, "contrast_max": 1.0, "edge_threshold": full * 1.2, "line_thickness": 2.0}
+    scene = SCENE | {"line_color_strength": 1.0, "contrast_full": 1.0, "edge_threshold": full * 1.2,
+                     "line_thickness": 2.0}
     ink = load().render(bricks(joint, 8), scene, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
     middle = ink[24:29]  # of a row of bricks, between joints
     sides = (middle[:, 4:-4].max(0) > 0.1)

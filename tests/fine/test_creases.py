@@ -177,8 +177,8 @@ def picture(mesh, **values):
     layers = dict(combined=np.dstack([grey, np.ones((30, 40), np.float32)]), color=grey, diffuse=grey,
                   depth=maps["depth"], normal=np.zeros_like(grey), object=maps["object"], creases=creases,
                   marks=maps["marks"])
-    scene = dict(edge_detector="FINE", line_thickness=3.0, length_unit="PIXELS", line_softness=0.0, line_paper=0.0,
-                 line_gain=0.5, line_intensity=2.0, width_normal=1.0)
+    scene = dict(edge_detector="FINE", line_thickness=3.0, length_unit="PIXELS", pen_1_softness=0.0, pen_1_grain=0.0,
+                 pen_1_steepness=0.5, pen_1_intensity=2.0, line_crease_width=1.0)
     camera = Camera(orthographic=True, height=30.0)
     drawn = library.render(layers, {**scene, **values}, camera=camera, outputs=("Encre Lines",))
     return drawn.images["Encre Lines"][..., 3]
@@ -205,15 +205,15 @@ def test_meshes_or_normals():
     assert not picture(fold(60), crease_source="LAYERS")[8:22, 16:25].any(), "the normals show none"
     smooth = edge_kinds(np.full((4, 3), EDGES["smooth"]))
     assert not picture(fold(50, edges=smooth))[8:22, 16:25].any()
-    assert picture(fold(50, edges=smooth), crease_smooth=40.0)[8:22, 16:25].any()
-    assert picture(fold(50), edge_normal=0.0)[8:22, 16:25].any() == np.False_
+    assert picture(fold(50, edges=smooth), crease_angle_smooth=40.0)[8:22, 16:25].any()
+    assert picture(fold(50), line_crease_strength=0.0)[8:22, 16:25].any() == np.False_
 
 
 def test_technical_drawings_have_corners_of_smooth_boxes_and_no_scraps_of_cloth():
     """Where the triangles of a cloth happened to bend by more than 60 degrees it looked torn."""
     smooth = edge_kinds(np.full((4, 3), EDGES["smooth"]))
-    angle = presets.find("technical_drawing").values["crease_smooth"]
-    assert angle < 90 and not picture(fold(75, edges=smooth), crease_smooth=angle)[8:22, 18:22].any()
+    angle = presets.find("technical_drawing").values["crease_angle_smooth"]
+    assert angle < 90 and not picture(fold(75, edges=smooth), crease_angle_smooth=angle)[8:22, 18:22].any()
     assert picture(fold(75, edges=smooth))[8:22, 18:22].any()
 
 
@@ -229,10 +229,11 @@ def two_folds(above, below):
 
 @pytest.mark.parametrize(("below", "goes_on"), [(25.5, True), (28.0, True), (24.5, False)])
 def test_a_smooth_edge_goes_on_beside_one_that_bends_enough(below, goes_on):
-    ink = picture(two_folds(35, below), crease_smooth=30.0)[:, 16:25].sum(1)
+    ink = picture(two_folds(35, below), crease_angle_smooth=30.0)[:, 16:25].sum(1)
     np.testing.assert_allclose(ink[7:13], 3, atol=0.3)
     np.testing.assert_allclose(ink[18:23], 0.4 * 3 * goes_on, atol=0.15)
-    assert not picture(two_folds(below, below), crease_smooth=30.0)[8:22, 16:25].any(), "beside nothing it is none"
+    assert not picture(two_folds(below, below), crease_angle_smooth=30.0)[8:22,
+                                                                          16:25].any(), "beside nothing it is none"
 
 
 def leaving(angle, left, bend=50.0):
@@ -266,7 +267,7 @@ def two_boards(own):
 
 @pytest.mark.parametrize("own", [True, False])
 def test_a_face_narrower_than_a_pixel_leaves_one_line(own):
-    ink = picture(two_boards(own), width_depth=3.0)[8:24, 6:34]
+    ink = picture(two_boards(own), line_inner_width=3.0)[8:24, 6:34]
     np.testing.assert_allclose(ink.sum(0), 3, atol=1.3 if own else 0.5)
     middle = (ink * np.arange(8, 24)[:, None]).sum(0) / ink.sum(0) - (12.7 + 0.1 * np.arange(6.5, 34.5))
     assert abs(middle).max() < (0.7 if own else 0.4)
@@ -305,7 +306,8 @@ def bumped(noise, rows=70, columns=90):
 def test_bumps_are_whole_lines_where_they_are_asked_for(noise):
     """Each row has the groove's, where it is, and nothing else."""
     def ink(weight):
-        scene = dict(edge_bump=weight, line_thickness=3.0, width_normal=1.0, length_unit="PIXELS", line_softness=0.0)
+        scene = dict(crease_bumps=weight, line_thickness=3.0, line_crease_width=1.0, length_unit="PIXELS",
+                     pen_1_softness=0.0)
         return library.render(bumped(noise), scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
     drawn, rows = ink(1.0)[3:-3], np.arange(3, 67) + 0.5
     middle = 45 + rows / 9 + 4 * np.sin(rows / 11)
@@ -385,7 +387,7 @@ def test_the_edges_of_a_small_thing_do_not_come_and_go():
     """Its outline has the place of most, now of these, now of those: the rest is thin."""
     ink = [picture(bolt(4, k / 8), line_thickness=1.0).sum() for k in range(12)]
     assert np.sqrt((np.diff(ink) ** 2).mean()) < 0.5 and min(ink) > 25
-    whole = picture(bolt(4, 0), line_thickness=1.0, line_min_length=0.0).sum()
+    whole = picture(bolt(4, 0), line_thickness=1.0, line_shortest=0.0).sum()
     assert ink[0] < 0.93 * whole
 
 
@@ -423,8 +425,9 @@ def fading_fold(first, last, seed, rows=70, columns=200):
 @pytest.mark.parametrize("seed", range(3))
 def test_weak_parts_of_a_ridge_live_with_strong_ones(seed):
     """Lines of LAYERS along folds: none, or whole, or one that ends once; between, no dashes as short as noise is."""
-    scene = dict(crease_source="LAYERS", crease_angle=32.0, line_thickness=3.0, width_normal=1.0, length_unit="PIXELS",
-                 line_softness=0.0, line_paper=0.0)
+    scene = dict(crease_source="LAYERS", crease_angle=32.0, line_thickness=3.0, line_crease_width=1.0,
+                 length_unit="PIXELS",
+                 pen_1_softness=0.0, pen_1_grain=0.0)
 
     def lengths(first, last):
         layers = fading_fold(first, last, seed)

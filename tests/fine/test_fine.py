@@ -12,7 +12,8 @@ from judge import scenes, verdict
 CONTROLS = len(library.controls())
 
 OUTPUTS = ("Combined", "Encre Lines", "Encre Edges")
-ALL = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=3.0, edge_light=4.0, edge_material=1.0, edge_seen=3.0)
+ALL = dict(edge_detector="FINE", edge_threshold=0.3, line_color_strength=3.0, line_shadow_strength=4.0,
+           line_material_strength=1.0, line_mirror_strength=3.0)
 
 
 def ink(layers, camera, **params):
@@ -72,7 +73,7 @@ def drawn(layers, scene=ALL, styles=(), **how):
 @pytest.mark.parametrize("smooth", [False, True])
 def test_any_size_gives_finite_numbers(size, smooth):
     for camera in (Camera(), Camera(orthographic=True, height=1e-3)):
-        images = drawn(noise(*size, smooth=smooth), dict(ALL, line_taper=5.0, line_tint=0.5), camera=camera)
+        images = drawn(noise(*size, smooth=smooth), dict(ALL, pen_1_taper=5.0, ink_tint=0.5), camera=camera)
         assert all(np.isfinite(a).all() for a in images.values())
 
 
@@ -81,17 +82,17 @@ def test_any_size_gives_finite_numbers(size, smooth):
                                              ((7, 256), 2.0), ((5, 257), 9.0), ((3, 2041), 2.0)])
 def test_any_size_gives_the_same_bytes(size, thickness):
     """Around whole vectors, pieces of rows and blocks of the canvas, and with lines much wider than the picture."""
-    scene = dict(ALL, line_thickness=thickness, line_max_thickness=4096.0, length_unit="PIXELS", line_tint=0.5)
+    scene = dict(ALL, line_thickness=thickness, line_thickest=4096.0, length_unit="PIXELS", ink_tint=0.5)
     one, other = (drawn(noise(*size, 2, smooth=True), scene, threads=threads, simd=simd)
                   for threads, simd in ((1, 1), (3, 0)))
     assert all(one[name].tobytes() == other[name].tobytes() for name in OUTPUTS)
 
 
-@pytest.mark.parametrize("styles", [(), ({"edge_normal": 0.3, "line_taper": 9.0, "shade_exposure": 2.0},
+@pytest.mark.parametrize("styles", [(), ({"line_crease_strength": 0.3, "pen_1_taper": 9.0, "shade_exposure": 2.0},
                                          {"use_lines": False})])
 def test_threads_and_instructions_change_nothing(styles):
     layers = noise(83, 131, 1, smooth=True)
-    scene = dict(ALL, line_tint=0.4, line_thickness=3.0, length_unit="PIXELS")
+    scene = dict(ALL, ink_tint=0.4, line_thickness=3.0, length_unit="PIXELS")
     one = drawn(layers, scene, styles, threads=1)
     assert (one["Encre Lines"][..., 3] > 0).mean() > 0.05
     for how in (dict(threads=2), dict(threads=3), dict(threads=8), dict(threads=1, simd=0)):
@@ -138,7 +139,7 @@ def step(width=64, height=40, slope=0.0, at=31.4):
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
 
-PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=6.0)
+PEN = dict(verdict.PARAMS, edge_detector="FINE", line_color_strength=0.0, line_shadow_strength=0.0, line_thickness=6.0)
 
 
 def across(image, row=20):
@@ -158,7 +159,7 @@ def test_a_line_lies_where_surfaces_part_and_is_as_wide_as_asked(slope):
 
 def test_softness_is_half_dark_at_the_asked_width():
     for softness in (0.2, 0.5, 0.9):
-        t = drawn(step(at=31.0), dict(PEN, line_thickness=20.0, line_softness=softness))["Encre Lines"][20, :, 3]
+        t = drawn(step(at=31.0), dict(PEN, line_thickness=20.0, pen_1_softness=softness))["Encre Lines"][20, :, 3]
         soft = softness * 10
         for d in range(1, 14):
             want = np.clip((10 - max(soft, 0.5) + max(soft, 1) - d) / max(soft, 1), 0, 1)
@@ -182,12 +183,12 @@ def test_far_lines_stay_behind_near_things():
     covered, free = (drawn(layers, dict(wide, line_occlude=on))["Encre Lines"][20, :, 3] for on in (True, False))
     assert (free[5:60] > 0.9).all()
     assert (covered[30:60] > 0.9).all()
-    only_far = dict(wide, edge_object=0.0, edge_depth=1.0)
+    only_far = dict(wide, line_outline_strength=0.0, line_inner_strength=1.0)
     assert drawn(layers, only_far)["Encre Lines"][20, 2, 3] > 0.9  # its own edge inks the near thing
 
 
 def test_ink_takes_the_tint_of_the_near_side():
-    t = drawn(step(), dict(PEN, line_tint=1.0, line_tint_value=1.0))["Encre Lines"][20]
+    t = drawn(step(), dict(PEN, ink_tint=1.0, ink_tint_value=1.0))["Encre Lines"][20]
     full = t[..., 3] > 0.99
     assert full.sum() >= 5 and np.allclose(t[full, :3], step()["color"][20, 31], atol=1e-6)
 
@@ -207,8 +208,9 @@ def striped(edges, width=160, height=60):
 @pytest.mark.parametrize("thickness", [1.0, 3.0])
 def test_lines_between_colors_fade_where_they_close_up(thickness, turned):
     """What is left of the width of each of many lines, by their distance; a stripe on its own keeps both its lines."""
-    scene = dict(edge_detector="FINE", edge_threshold=0.1, edge_color=1.0, width_color=1.0, line_thickness=thickness,
-                 length_unit="PIXELS", line_softness=0.0, line_paper=0.0, line_gain=0.5, line_intensity=2.0)
+    scene = dict(edge_detector="FINE", edge_threshold=0.1, line_color_strength=1.0, line_color_width=1.0,
+                 line_thickness=thickness,
+                 length_unit="PIXELS", pen_1_softness=0.0, pen_1_grain=0.0, pen_1_steepness=0.5, pen_1_intensity=2.0)
 
     def row(edges):
         layers = {name: np.swapaxes(a, 0, 1) if turned else a for name, a in striped(edges).items()}
@@ -225,7 +227,8 @@ def test_lines_between_colors_fade_where_they_close_up(thickness, turned):
 
 def test_edges_show_the_strength_where_sites_are():
     for weight in (0.5, 1.7):
-        edges = drawn(step(), dict(PEN, edge_object=weight, edge_depth=0.0, edge_normal=0.0))["Encre Edges"][..., 0]
+        edges = drawn(step(), dict(PEN, line_outline_strength=weight, line_inner_strength=0.0,
+                                   line_crease_strength=0.0))["Encre Edges"][..., 0]
         assert set(np.unique(edges)) == {0, np.float32(weight)}
         assert (edges > 0).sum(1).tolist() == [1] * 40
 
@@ -241,7 +244,7 @@ def fading():
 
 
 def test_taper_thins_a_line_towards_its_free_end_only():
-    blunt, taper = (drawn(fading(), dict(PEN, line_taper=length))["Encre Lines"][..., 3] for length in (0.0, 30.0))
+    blunt, taper = (drawn(fading(), dict(PEN, pen_1_taper=length))["Encre Lines"][..., 3] for length in (0.0, 30.0))
     inked = np.flatnonzero(blunt.sum(1) > 1)
     top = inked.min()
     assert top > 20 and inked.max() == 119
@@ -258,7 +261,8 @@ def test_a_line_that_tapers_leaves_no_gap_in_the_one_it_meets():
     layers["normal"][:] = 0, 0, 1
     layers["object"] = np.repeat(np.arange(120)[:, None, None] > 60, 90, 1).astype(np.float32)
     layers["color"][49:60, 45] = 0
-    blunt, taper = (drawn(layers, dict(PEN, edge_color=3, line_thickness=1.5, line_taper=length))["Encre Lines"][..., 3]
+    blunt, taper = (drawn(layers, dict(PEN, line_color_strength=3, line_thickness=1.5,
+                                       pen_1_taper=length))["Encre Lines"][..., 3]
                     for length in (0.0, 30.0))
     assert taper[50:57, 40:51].sum() < 0.6 * blunt[50:57, 40:51].sum()
     outline = np.s_[59:63, 2:-2]

@@ -88,7 +88,7 @@ def test_the_foot_of_a_thin_thing_keeps_its_own_line():
     layers["normal"] = np.where(blade[..., None], (0, 0, 1.0), (0, 1.0, 0))
     layers["controls"] = np.zeros((90, 100, CONTROLS))
     layers["controls"][..., 0] = np.where(blade, -0.75, 0)
-    t = ink(layers, line_thickness=8.0, edge_normal=0.0)
+    t = ink(layers, line_thickness=8.0, line_crease_strength=0.0)
     assert t[20:52].sum(1) == pytest.approx(np.full(32, 4.0), abs=0.3)  # two sides, a quarter of 8 each
     assert t[50:75, 50].sum() == pytest.approx(2.0, abs=0.3)
     assert (t[:, :40] == 0).all() and (t[64:] == 0).all()
@@ -103,7 +103,7 @@ def test_a_joint_is_one_line_on_every_phase(dark):
     joint = np.average(inside, 0, weights=np.cos(fine / 1.5 * np.pi / 2) ** 2)[..., None]
     layers = flat(40, 200)
     layers["albedo"] = layers["color"] = (1 - joint) * (0.5, 0.5, 0.5) + joint * (dark, dark, dark)
-    t = ink(layers, edge_color=2.5, line_contrast=0.0)[:, 10:-10]
+    t = ink(layers, line_color_strength=2.5, line_contrast=0.0)[:, 10:-10]
     assert (np.abs(t.sum(0) - 1) < 0.3).mean() > 0.95
 
 
@@ -131,11 +131,11 @@ def scraps(length, start=20, closed=False, size=(60, 80)):
 
 @pytest.mark.parametrize("length", [6, 11, 15])
 def test_scraps_are_not_drawn(length):
-    t = ink(scraps(length, closed=True), line_min_length=12.0)
+    t = ink(scraps(length, closed=True), line_shortest=12.0)
     assert (t[15:45, 30:50].max() > 0.5) == (length > 12), "open at both ends"
     assert t[5:15, 5:15].max() > 0.5, "closed"
-    assert ink(scraps(length), line_min_length=0.0)[15:45, 30:50].max() > 0.5
-    assert ink(scraps(length, start=60 - length), line_min_length=12.0)[:, 30:50].max() > 0.5, "goes on beyond it"
+    assert ink(scraps(length), line_shortest=0.0)[15:45, 30:50].max() > 0.5
+    assert ink(scraps(length, start=60 - length), line_shortest=12.0)[:, 30:50].max() > 0.5, "goes on beyond it"
 
 
 def test_a_line_s_width_eases_where_what_it_is_made_of_changes():
@@ -144,7 +144,7 @@ def test_a_line_s_width_eases_where_what_it_is_made_of_changes():
     layers = flat(90, 60)
     layers["depth"] = np.where((x < 30) | (y > 45), 5.0, 5 + 0.05 * (45 - y))
     layers["normal"] = np.where((x < 30)[..., None], (-0.6, 0, 0.8), (0.6, 0, 0.8))
-    t = ink(layers, line_thickness=10.0, width_normal=0.2, edge_color=0.0)[:, 10:50]
+    t = ink(layers, line_thickness=10.0, line_crease_width=0.2, line_color_strength=0.0)[:, 10:50]
     width = t.sum(1)
     assert width[10:30] == pytest.approx(np.full(20, 10.0), abs=0.3)
     assert width[60:80] == pytest.approx(np.full(20, 2.0), abs=0.3)
@@ -162,7 +162,8 @@ def test_a_contour_goes_on_where_pieces_meet(between):
     for first, end in ((31 + 4 * (between > 0), 60), (29, 29 + between)):
         creases[first:end, 19, :2] = 0.5, 180
         marks[first:end, 19, 0] = -0.5
-    t = ink({**layers, "marks": marks, "creases": creases}, edge_color=0.0, line_thickness=2.0, width_normal=1.0)
+    t = ink({**layers, "marks": marks, "creases": creases}, line_color_strength=0.0, line_thickness=2.0,
+            line_crease_width=1.0)
     assert t[3:57, 18:22].max(1).min() > 0.4
     assert not t[:, :16].any() and not t[:, 24:].any()
 
@@ -196,7 +197,7 @@ def test_a_lone_pixel_does_not_end_a_line():
         layers["depth"] = np.where(x < 30.2 + 0.04 * (y - 60), 5.0, 5 + step)
         for row in lone:
             layers["depth"][row, 30] = 5 + step[row, 0] / 2
-        return ink(layers, edge_light=0.0, line_taper=60.0, line_thickness=12.0).sum(1)
+        return ink(layers, line_shadow_strength=0.0, pen_1_taper=60.0, line_thickness=12.0).sum(1)
 
     plain, parted = widths(()), widths((40, 55, 70))
     assert plain.max() > 7 and (plain > 0.5).sum() > 60
@@ -243,7 +244,8 @@ def test_a_line_of_light_runs_where_the_fill_ends(width, threshold):
     light = across > 0 if width == 1 else np.clip(0.5 + across / width, 0, 1)
     layers = flat(rows, columns, light.reshape(rows, fine, columns, fine).mean((1, 3)))
     layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
-    params = dict(edge_light=4.0, edge_color=0.0, line_thickness=4.0, use_hatching=False, use_smudging=False,
+    params = dict(line_shadow_strength=4.0, line_color_strength=0.0, line_thickness=4.0, use_hatching=False,
+                  use_smudging=False,
                   use_shading=True, shade_levels=[(0.2,), (threshold, 0.5, 1 / width)])
     drawn = ink(layers, **params)
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
@@ -265,7 +267,8 @@ def test_a_penumbra_has_one_line_for_each_level_that_has_room(width, levels):
     light = np.clip(0.5 + (x - 55 - 0.2 * y) / np.hypot(1, 0.2) / width, 0, 1)
     layers = flat(rows, columns, light.reshape(rows, fine, columns, fine).mean((1, 3)))
     layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
-    drawn = ink(layers, edge_light=4.0, edge_color=0.0, line_thickness=2.0, use_hatching=False, use_smudging=False,
+    drawn = ink(layers, line_shadow_strength=4.0, line_color_strength=0.0, line_thickness=2.0, use_hatching=False,
+                use_smudging=False,
                 use_shading=True, shade_levels=levels)[6:-6]
     lines = ((drawn[:, 1:] > 0.25) & (drawn[:, :-1] <= 0.25)).sum(1)
     room = 1 + int(width >= 12) * (len(levels) - 2)

@@ -16,58 +16,61 @@ from reference.frame import Layers
 from reference.params import Params
 from reference.passes import Table
 
-BARE = dict(paper_source="NONE", length_unit="PIXELS", line_softness=0.0, line_gain=1.0, line_intensity=1.0,
+BARE = dict(paper_source="NONE", length_unit="PIXELS", pen_1_softness=0.0, pen_1_steepness=1.0, pen_1_intensity=1.0,
             use_shading=False, use_smudging=False, use_hatching=False)
 PENS = {  # the case, what it is drawn with
     "hairline": ("wires", dict(line_thickness=1.0)),
-    "faint": ("things", dict(line_thickness=0.6, line_intensity=2.0, width_color=2.0)),
-    "soft": ("faces", dict(line_thickness=5.0, line_softness=0.9, line_gain=4.0)),
-    "taper": ("noise", dict(line_thickness=3.0, line_taper=12.0, line_intensity=1.6)),
-    "wide": ("rods", dict(line_thickness=7.0, line_softness=0.3, width_object=0.5, width_normal=1.4)),
+    "faint": ("things", dict(line_thickness=0.6, pen_1_intensity=2.0, line_color_width=2.0)),
+    "soft": ("faces", dict(line_thickness=5.0, pen_1_softness=0.9, pen_1_steepness=4.0)),
+    "taper": ("noise", dict(line_thickness=3.0, pen_1_taper=12.0, pen_1_intensity=1.6)),
+    "wide": ("rods", dict(line_thickness=7.0, pen_1_softness=0.3, line_outline_width=0.5, line_crease_width=1.4)),
     "filled": ("far rods", dict(line_thickness=1.6, line_contrast=0.5)),
-    "paper": ("mirror", dict(line_thickness=2.0, paper_source="PROCEDURAL", line_paper=0.7, line_gain=4.0)),
-    "tinted": ("styles", dict(line_thickness=1.1, line_tint=0.8, line_tint_value=0.6, line_light=0.7, line_contrast=1.0,
-                              line_depth_distance=4.0)),
-    "brush": ("faces", dict(line_thickness=5.0, pen_pressure=0.6, pen_pressure_length=40.0, pen_rough=0.5,
-                             pen_rough_length=5.0, pen_seed=7)),
-    "frayed": ("faces", dict(line_thickness=9.0, pen_rough=1.2, pen_rough_length=1.5)),
-    "stray": ("faces", dict(line_thickness=3.0, pen_wobble=1.2, pen_wobble_length=25.0, pen_strokes=2, pen_gaps=0.3,
-                            pen_gaps_length=20.0, width_contact=1.6, width_intersection=0.4)),
-    "dry": ("faces", dict(line_thickness=3.3, pen_dry=0.8, pen_dry_length=9.0, pen_bristles=3)),
-    "inks": ("faces", dict(line_thickness=3.0, line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_lit=0.4,
-                           line_color_contact=(0, 0.7, 0), line_color_inner=(0, 0, 0.9), line_tint=0.2,
-                           line_color_crease=(0.5, 0.5, 0), line_color_color=(0, 0.5, 0.5))),
-    "sketch": ("faces", dict(line_thickness=1.2, line_softness=0.4, line_gain=2.0, pen_wobble=0.5, pen_strokes=3,
-                             line_color_by_kind=True, line_color_outline=(0.8, 0, 0), line_color_inner=(0, 0, 0.9))),
-    "pens": ("faces", dict(line_thickness=3.0, pen_rough=0.4, pen_rough_length=6.0, line_pen_crease="PEN_2",
-                           line_pen_contact="PEN_2", line_pen_color="PEN_3", pen_2_width=0.5, pen_2_softness=0.0,
-                           pen_2_gain=1.0, pen_2_strokes=2, pen_2_wobble=0.8, pen_2_seed=3, pen_2_paper=0.0,
+    "paper": ("mirror", dict(line_thickness=2.0, paper_source="PROCEDURAL", pen_1_grain=0.7, pen_1_steepness=4.0)),
+    "tinted": ("styles", dict(line_thickness=1.1, ink_tint=0.8, ink_tint_value=0.6, ink_in_shade=0.7, line_contrast=1.0,
+                              line_far_distance=4.0)),
+    "brush": ("faces", dict(line_thickness=5.0, pen_1_pressure=0.6, pen_1_pressure_length=40.0, pen_1_rough=0.5,
+                             pen_1_rough_length=5.0, pen_1_seed=7)),
+    "frayed": ("faces", dict(line_thickness=9.0, pen_1_rough=1.2, pen_1_rough_length=1.5)),
+    "stray": ("faces", dict(line_thickness=3.0, pen_1_wobble=1.2, pen_1_wobble_length=25.0, pen_1_strokes=2,
+                            pen_1_gaps=0.3,
+                            pen_1_gaps_length=20.0, line_contact_width=1.6, line_intersection_width=0.4)),
+    "dry": ("faces", dict(line_thickness=3.3, pen_1_dry=0.8, pen_1_dry_length=9.0, pen_1_bristles=3)),
+    "inks": ("faces", dict(line_thickness=3.0, ink_by_kind=True, line_outline_ink=(0.8, 0, 0), ink_in_light=0.4,
+                           line_contact_ink=(0, 0.7, 0), line_inner_ink=(0, 0, 0.9), ink_tint=0.2,
+                           line_crease_ink=(0.5, 0.5, 0), line_color_ink=(0, 0.5, 0.5))),
+    "sketch": ("faces", dict(line_thickness=1.2, pen_1_softness=0.4, pen_1_steepness=2.0, pen_1_wobble=0.5,
+                             pen_1_strokes=3,
+                             ink_by_kind=True, line_outline_ink=(0.8, 0, 0), line_inner_ink=(0, 0, 0.9))),
+    "pens": ("faces", dict(line_thickness=3.0, pen_1_rough=0.4, pen_1_rough_length=6.0, line_crease_pen="PEN_2",
+                           line_contact_pen="PEN_2", line_color_pen="PEN_3", pen_2_width=0.5, pen_2_softness=0.0,
+                           pen_2_steepness=1.0, pen_2_strokes=2, pen_2_wobble=0.8, pen_2_seed=3, pen_2_grain=0.0,
                            pen_3_softness=0.5, pen_3_intensity=0.8, pen_3_taper=6.0, pen_3_pressure=0.5,
                            pen_3_pressure_length=30.0)),
-    "beyond": ("faces", dict(line_thickness=1.5, pen_overshoot=9.0, pen_strokes=2, pen_wobble=0.4,
-                             pen_overshoot_color=0.4, line_color_by_kind=True, line_color_crease=(0.5, 0, 0))),
-    "turning": ("faces", dict(line_thickness=2.0, pen_pool=1.0, pen_pressure=0.3, pen_pressure_length=25.0, pen_hold=2,
-                              pen_boil=0.4)),
-    "bending": ("things", dict(line_thickness=3.0, pen_curve=1.5, line_pen_crease="PEN_2", pen_2_curve=-0.8,
-                               line_pen_color="PEN_2", pen_2_softness=0.0, pen_2_paper=0.0)),
-    "dashed": ("faces", dict(line_thickness=1.5, pen_dash=7.0, pen_dash_space=3.0, line_pen_crease="PEN_2",
-                             pen_2_dash=3.0, pen_2_dash_space=4.0, pen_2_softness=0.0, pen_2_paper=0.0)),
-    "strip": ("faces", dict(line_thickness=6.0, line_softness=0.3, pen_strip=0.9, pen_strip_length=25.0,
-                            pen_strip_image="strip", line_pen_crease="PEN_2", pen_2_strip=1.0, pen_2_strip_length=9.0,
-                            pen_2_strip_image="strip", pen_2_dry=0.4, pen_2_softness=0.0, pen_2_paper=0.0)),
-    "thin strip": ("rods", dict(line_thickness=2.0, pen_strip=1.0, pen_strip_length=6.0, pen_strip_image="strip",
-                                pen_wobble=0.6, pen_overshoot=6.0)),
+    "beyond": ("faces", dict(line_thickness=1.5, pen_1_overshoot=9.0, pen_1_strokes=2, pen_1_wobble=0.4,
+                             pen_1_overshoot_color=0.4, ink_by_kind=True, line_crease_ink=(0.5, 0, 0))),
+    "turning": ("faces", dict(line_thickness=2.0, pen_1_pool=1.0, pen_1_pressure=0.3, pen_1_pressure_length=25.0,
+                              pen_1_hold=2,
+                              pen_1_boil=0.4)),
+    "bending": ("things", dict(line_thickness=3.0, pen_1_curve=1.5, line_crease_pen="PEN_2", pen_2_curve=-0.8,
+                               line_color_pen="PEN_2", pen_2_softness=0.0, pen_2_grain=0.0)),
+    "dashed": ("faces", dict(line_thickness=1.5, pen_1_dash=7.0, pen_1_dash_space=3.0, line_crease_pen="PEN_2",
+                             pen_2_dash=3.0, pen_2_dash_space=4.0, pen_2_softness=0.0, pen_2_grain=0.0)),
+    "strip": ("faces", dict(line_thickness=6.0, pen_1_softness=0.3, pen_1_strip=0.9, pen_1_strip_length=25.0,
+                            pen_1_strip_image="strip", line_crease_pen="PEN_2", pen_2_strip=1.0, pen_2_strip_length=9.0,
+                            pen_2_strip_image="strip", pen_2_dry=0.4, pen_2_softness=0.0, pen_2_grain=0.0)),
+    "thin strip": ("rods", dict(line_thickness=2.0, pen_1_strip=1.0, pen_1_strip_length=6.0, pen_1_strip_image="strip",
+                                pen_1_wobble=0.6, pen_1_overshoot=6.0)),
     "thicket": ("wires", dict(line_thickness=2.0, line_density=0.2)),
     "fewer": ("wires", dict(line_thickness=2.0, line_density=0.2, line_fewer=1.0)),
     "partly fewer": ("faces", dict(line_thickness=3.0, line_density=0.1, line_fewer=0.6)),
-    "fewer of all": ("things", dict(line_thickness=3.0, line_density=0.3, line_fewer=1.0, pen_pressure=0.3,
-                                    pen_pressure_length=25.0)),
+    "fewer of all": ("things", dict(line_thickness=3.0, line_density=0.3, line_fewer=1.0, pen_1_pressure=0.3,
+                                    pen_1_pressure_length=25.0)),
     "on dark": ("rods", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.4, ink_dark_width=0.6)),
     "colours on dark": ("faces", dict(line_thickness=4.0, ink_on_dark=1.0, ink_dark_threshold=0.6,
                                       ink_dark_colors=0.4)),
     "bright before dark": ("wires", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.1)),
-    "first": ("stroke", dict(line_thickness=5.0, line_taper=5.0)),
-    "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, width_light=2.0, line_max_thickness=5.0)),
+    "first": ("stroke", dict(line_thickness=5.0, pen_1_taper=5.0)),
+    "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, line_shadow_width=2.0, line_thickest=5.0)),
 }
 
 
@@ -108,16 +111,17 @@ def test_any_pen_on_any_lines(seed):
     rng = np.random.default_rng(seed)
     case = ("faces", "rods", "things", "wires", "edges")[seed % 5]
     pen = dict(any_pen(rng), line_thickness=rng.uniform(1, 5), line_density=rng.choice([1, 0.3]),
-               line_taper=rng.choice([0, 9]), width_contact=rng.uniform(0.5, 1.5), **any_pen(rng, "pen_2_"),
-               line_pen_crease="PEN_2", line_pen_inner="PEN_2", pen_2_width=rng.uniform(0.5, 1.5), pen_2_paper=0.0,
-               pen_2_softness=rng.random(), pen_2_gain=rng.uniform(1, 4), pen_2_intensity=rng.uniform(0.5, 2))
+               pen_1_taper=rng.choice([0, 9]), line_contact_width=rng.uniform(0.5, 1.5), **any_pen(rng, "pen_2_"),
+               line_crease_pen="PEN_2", line_inner_pen="PEN_2", pen_2_width=rng.uniform(0.5, 1.5), pen_2_grain=0.0,
+               pen_2_softness=rng.random(), pen_2_steepness=rng.uniform(1, 4), pen_2_intensity=rng.uniform(0.5, 2))
     compared(case, pen, 0.02, seed % 3 == 0)  # rounding tells between two as good ways along which to part a line
 
 
-@pytest.mark.parametrize("pen", [dict(line_thickness=2.0, pen_pool=1.0, line_density=0.15),
-                                 dict(line_thickness=1.5, pen_overshoot=9.0, pen_strokes=2),
-                                 dict(line_thickness=2.0, pen_curve=1.5),
-                                 dict(line_thickness=1.5, pen_dash=7.0, pen_dash_space=3.0)], ids=lambda pen: [*pen][1])
+@pytest.mark.parametrize("pen", [dict(line_thickness=2.0, pen_1_pool=1.0, line_density=0.15),
+                                 dict(line_thickness=1.5, pen_1_overshoot=9.0, pen_1_strokes=2),
+                                 dict(line_thickness=2.0, pen_1_curve=1.5),
+                                 dict(line_thickness=1.5, pen_1_dash=7.0, pen_1_dash_space=3.0)],
+                         ids=lambda pen: [*pen][1])
 @pytest.mark.parametrize("seed", range(2))
 def test_any_lines_turn_and_part(seed, pen):
     """Chains by chance."""
@@ -163,9 +167,11 @@ def held(images, every, layers, scene, styles, few):
 
 def test_a_hand_draws_the_same_with_any_threads_and_instructions():
     layers, scene, _ = passes.given("things")
-    scene = {**scene, **BARE, "line_thickness": 5.0, "pen_pressure": 0.5, "pen_wobble": 1.0, "pen_wobble_length": 20.0,
-             "pen_rough": 0.6, "pen_gaps": 0.2, "pen_dry": 0.6, "pen_strokes": 3, "ink_on_dark": 0.5, "line_lit": 0.5}
-    styles = [{"pen_strokes": 1, "pen_dry": 0.0, "line_color_by_kind": True}]
+    scene = {**scene, **BARE, "line_thickness": 5.0, "pen_1_pressure": 0.5, "pen_1_wobble": 1.0,
+             "pen_1_wobble_length": 20.0,
+             "pen_1_rough": 0.6, "pen_1_gaps": 0.2, "pen_1_dry": 0.6, "pen_1_strokes": 3, "ink_on_dark": 0.5,
+             "ink_in_light": 0.5}
+    styles = [{"pen_1_strokes": 1, "pen_1_dry": 0.0, "ink_by_kind": True}]
     layers = {**layers, "style": np.float32(np.indices(layers["depth"].shape[:2]).sum(0)[..., None] // 9 % 2)}
     outputs = ("Combined", "Encre Lines")
     first = library.render(layers, scene, styles, outputs=outputs, threads=1, simd=1).images
@@ -190,7 +196,7 @@ def test_a_hand_sticks_to_one_who_walks():
 @pytest.mark.parametrize("wobble", [1.3, 3.0])
 def test_two_strokes_are_as_dark_at_a_quarter_of_the_size(wobble):
     """Thin ones, that overlap in most pixels, or hardly do."""
-    values = {**hands.PENS["pencil"], "line_thickness": 4.0, "pen_wobble": wobble}
+    values = {**hands.PENS["pencil"], "line_thickness": 4.0, "pen_1_wobble": wobble}
     assert hands.sizes(values, (180,))[0] == pytest.approx(1, abs=0.1)
 
 
@@ -279,7 +285,7 @@ def test_lines_are_as_dense_at_the_rim_of_the_frame():
 def test_a_hand_draws_anew_when_its_frames_are_over():
     """By the number of a frame alone: it needs none before it."""
     layers, scene, _ = passes.given("faces")
-    scene = {**scene, **BARE, "line_thickness": 3.0, "pen_wobble": 1.0, "pen_wobble_length": 20.0}
+    scene = {**scene, **BARE, "line_thickness": 3.0, "pen_1_wobble": 1.0, "pen_1_wobble_length": 20.0}
     height, width = layers["depth"].shape[:2]
 
     def drawn(number, **values):
@@ -287,11 +293,11 @@ def test_a_hand_draws_anew_when_its_frames_are_over():
         return library.render(layers, {**scene, **values}, outputs=("Encre Lines",), frame=frame).images["Encre Lines"]
 
     once = drawn(7)
-    assert np.array_equal(once, drawn(8)) and np.array_equal(once, drawn(8, pen_hold=2, pen_boil=0.0))
-    twos = [drawn(number, pen_hold=2) for number in (-2, -1, 0, 1, 2)]
+    assert np.array_equal(once, drawn(8)) and np.array_equal(once, drawn(8, pen_1_hold=2, pen_1_boil=0.0))
+    twos = [drawn(number, pen_1_hold=2) for number in (-2, -1, 0, 1, 2)]
     assert np.array_equal(twos[0], twos[1]) and np.array_equal(twos[2], twos[3])
     steps = [np.abs(one - other).mean() for one, other in ((twos[1], twos[2]), (twos[3], twos[4]))]
-    little = np.abs(drawn(1, pen_hold=2, pen_boil=0.1) - once).mean()
+    little = np.abs(drawn(1, pen_1_hold=2, pen_1_boil=0.1) - once).mean()
     assert min(steps) > 3 * little > 0
 
 
@@ -303,8 +309,8 @@ def test_pressure_swells_a_line_by_the_noise_where_it_runs():
     flat = np.ones((height, width, 3), np.float32)
     layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
               "depth": 5 * flat[..., :1], "object": object_}
-    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0,
-             "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "pen_1_intensity": 2.0,
+             "pen_1_pressure": 0.4, "pen_1_pressure_length": 60.0}
     ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3].sum(1)[4:-4]
     at = np.stack([np.full(height, 20.0), np.arange(height) + 0.5, np.zeros(height)], -1)
     noise = hand.solid(at, np.full(height, 60.0), hand.PRESSURE)[4:-4]
@@ -316,7 +322,7 @@ def test_a_hand_presses_evenly_where_lines_are_many():
     side, count = 14, 16
     flat = np.ones((side * count, side * count, 3), np.float32)
     apart, scene = [], {**BARE, "edge_detector": "FINE", "line_thickness": 5.0, "line_density": 0.3,
-                        "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+                        "pen_1_pressure": 0.4, "pen_1_pressure_length": 60.0}
     for every in (1, 4):
         place = np.arange(side * count) // (every * side)
         layers = {"combined": np.ones((*flat.shape[:2], 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
@@ -339,8 +345,8 @@ def test_noise_is_of_one_thing_where_two_touch():
     depth[::2, 20:] = depth[1::2, :20] = 5.005
     layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
               "depth": depth, "object": object_, "anchor": place}
-    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0,
-             "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "pen_1_intensity": 2.0,
+             "pen_1_pressure": 0.4, "pen_1_pressure_length": 60.0}
     ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][4:-4, :, 3].sum(1)
     front = np.repeat((19.5 + np.arange(height)) * 0.02, 3).reshape(-1, 3)[4:-4]
     noise = hand.solid(front, np.full(len(front), 1.2), hand.PRESSURE)
@@ -358,7 +364,7 @@ def test_styles_without_lines_pool_no_ink():
     layers, _, _ = passes.given("faces")
     layers = {**layers, "style": np.float32(np.indices(layers["depth"].shape[:2])[1] > 20)}
     scene = {**BARE, "edge_detector": "FINE", "line_thickness": 3.0}
-    plain, pooled = (library.render(layers, library.check(scene), [{"use_lines": False, "pen_pool": pool}]).images
+    plain, pooled = (library.render(layers, library.check(scene), [{"use_lines": False, "pen_1_pool": pool}]).images
                      for pool in (0.0, 1.0))
     assert np.array_equal(plain["Combined"], pooled["Combined"])
 
@@ -370,7 +376,7 @@ def outlined(inside, full_height, **pen):
     flat = np.ones((height, width, 3), np.float32)
     layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
               "depth": 5 * flat[..., :1], "object": np.float32(inside(x, y))[..., None]}
-    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "line_intensity": 2.0, "width_contact": 1.0,
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "pen_1_intensity": 2.0, "line_contact_width": 1.0,
              "length_unit": "RELATIVE", **pen}
     frame = Frame(2 * full_height, full_height)
     return library.render(layers, scene, frame=frame, outputs=("Encre Lines",)).images["Encre Lines"][..., 3], x, y
@@ -383,7 +389,7 @@ def test_lines_are_wider_where_they_bend(radius, full_height, shift):
     """A round of 60 px radius takes half of the swelling, evenly all about."""
     widths = []
     for curve in (0.0, 0.8):
-        ink, x, y = outlined(lambda x, y: np.hypot(x - shift, y) < radius, full_height, pen_curve=curve)
+        ink, x, y = outlined(lambda x, y: np.hypot(x - shift, y) < radius, full_height, pen_1_curve=curve)
         turn = np.floor((np.arctan2(y, x - shift) / np.pi + 1) * 16).astype(int) % 32
         widths.append(np.bincount(turn.ravel(), ink.ravel(), 32))
     swelling = widths[1] / widths[0] - 1
@@ -396,7 +402,7 @@ def test_lines_bend_by_themselves_where_others_meet_them(slope):
     def met(x, y):
         return np.where(np.hypot(x, y) < 60, 1, np.where(y > slope * x + 25, 2, 0))
 
-    (plain, x, y), (curved, _, _) = (outlined(met, 1080, pen_curve=curve) for curve in (0.0, 0.8))
+    (plain, x, y), (curved, _, _) = (outlined(met, 1080, pen_1_curve=curve) for curve in (0.0, 0.8))
     beyond = np.hypot(x, y) > 68
     assert np.abs(curved - plain)[beyond].sum() < 0.02 * plain[beyond].sum()
     assert abs(curved[~beyond].sum() / plain[~beyond].sum() - 1.4) < 0.04
@@ -406,7 +412,7 @@ def test_straight_lines_and_corners_do_not_swell():
     def box(x, y):
         return (np.abs(x + 0.3 * y) < 80) & (np.abs(y - 0.2 * x) < 90)
 
-    plain, curved = (outlined(box, 1080, pen_curve=curve)[0] for curve in (0.0, 0.8))
+    plain, curved = (outlined(box, 1080, pen_1_curve=curve)[0] for curve in (0.0, 0.8))
     assert np.abs(curved - plain).sum() < 0.01 * plain.sum()
 
 
@@ -443,7 +449,7 @@ def drawn_edge(zoom, shift, **pen):
     layers = {"combined": np.ones((height, width, 4), np.float32), "color": flat, "diffuse": flat, "normal": flat,
               "depth": 5 * flat[..., :1], "object": np.repeat(np.arange(width) > 15, 1).astype(np.float32)
               .reshape(1, -1, 1) * flat[..., :1], "anchor": place}
-    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "line_intensity": 2.0, **pen}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "pen_1_intensity": 2.0, **pen}
     ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][4:-4, :, 3]
     return ink.sum(1), ink @ np.arange(width) / np.maximum(ink.sum(1), 1e-6), rest[4:-4]
 
@@ -455,9 +461,9 @@ def alike(one, two, k):
     return np.corrcoef(*(np.interp(at, frame[2], frame[k]) for frame in (one, two)))[0, 1]
 
 
-@pytest.mark.parametrize("k, pen", [(0, dict(pen_pressure=0.4, pen_pressure_length=70.0)),
-                                    (0, dict(pen_rough=0.8, pen_rough_length=12.0)),
-                                    (1, dict(pen_wobble=1.2, pen_wobble_length=45.0))])
+@pytest.mark.parametrize("k, pen", [(0, dict(pen_1_pressure=0.4, pen_1_pressure_length=70.0)),
+                                    (0, dict(pen_1_rough=0.8, pen_1_rough_length=12.0)),
+                                    (1, dict(pen_1_wobble=1.2, pen_1_wobble_length=45.0))])
 def test_what_the_hand_does_sticks_to_the_thing(k, pen):
     """Panned by 42.4 pixels it is the same; zoomed by 4 in 16 frames it goes over from each frame to the next."""
     first = drawn_edge(40.0, 0.0, **pen)
@@ -478,8 +484,9 @@ def test_a_gap_a_pixel_wide_is_one_kind_of_line_all_along():
     layers = {"combined": np.ones((60, 240, 4)), "color": flat, "diffuse": flat, "normal": flat * (0, 0, 1),
               "depth": np.where(object_ == 3, 9.0, 5.0)[..., None], "object": object_[..., None]}
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "line_intensity": 2.0, "edge_light": 0.0,
-             "edge_color": 0.0, "width_contact": 0.25}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 8.0, "pen_1_intensity": 2.0,
+             "line_shadow_strength": 0.0,
+             "line_color_strength": 0.0, "line_contact_width": 0.25}
     ink = library.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][..., 3].sum(0)[30:-30]
     assert ink.min() > 8 and np.ptp(ink) < 1.5
     solid = {**layers, "object": np.where(layers["object"] == 3, 2, layers["object"]).astype(np.float32),
@@ -500,8 +507,9 @@ def test_noise_runs_on_where_a_line_steps_from_row_to_row():
     anchor = np.zeros((80, 300, 16), np.float32)
     anchor[..., 6], anchor[..., 7], anchor[..., 11] = 0.02, 0.02, 0.16
     anchor[..., 0], anchor[..., 1] = 0.02 * columns, 0.16 * rows
-    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "line_intensity": 2.0, "edge_light": 0.0,
-             "edge_color": 0.0, "pen_pressure": 0.4, "pen_pressure_length": 60.0}
+    scene = {**BARE, "edge_detector": "FINE", "line_thickness": 6.0, "pen_1_intensity": 2.0,
+             "line_shadow_strength": 0.0,
+             "line_color_strength": 0.0, "pen_1_pressure": 0.4, "pen_1_pressure_length": 60.0}
     ink = library.render({**layers, "anchor": anchor}, scene, outputs=("Encre Lines",)).images["Encre Lines"]
     x = columns[0]
     at = np.stack([0.02 * x, 0.16 * (40 - (x - 150) / 40), 0 * x], -1)

@@ -212,7 +212,7 @@ def drop(check):
     gone, unsure = chains.spurs(beside, check.shape)
     check.alike("spurs", gone, dropped(beside, last), unsure)
     params, style = check.c.view.params, check.c.view.layers.style
-    least = params.at("line_min_length", style[last.site["near_y"], last.site["near_x"]])
+    least = params.at("line_shortest", style[last.site["near_y"], last.site["near_x"]])
     numbers = view.layers.object if "object" in view.given else None
     gone, unsure, share = chains.short(last, least * check.scale, check.shape, numbers)
     after = check.tables("drop short")[0]

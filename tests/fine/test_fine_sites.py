@@ -123,7 +123,7 @@ def test_forms_are_blurred_by_no_more_than_64_pixels():
     layers = shapes.forms(861, (8, 260), steep=4.0, bumps=1)
     found = []
     for scale, finer in ((64, 1), (33, 2), (62, 1)):
-        scene = {**passes.ALL, **passes.FORM, "suggestive_scale": scale, "supersample": finer, "edge_threshold": 0.0}
+        scene = {**passes.ALL, **passes.FORM, "suggestive_size": scale, "supersample": finer, "edge_threshold": 0.0}
         site = next(s for s in passes.run(layers, scene)[1] if s.name == "gather").site
         found.append(site[site["family"] == FAMILIES.index("valley")])
     assert len(found[0]) > 10
@@ -144,7 +144,7 @@ def test_within_a_thing_a_grazing_slope_is_no_jump(share, what, drawn):
         layers["marks"][:, 11, 0] = -(0.5 + 2 * 4)
     if what == "two":
         layers["object"][:, 12:] = 2
-    scene = dict(crease_source="LAYERS" if what == "layers" else "AUTO", edge_color=0.0)
+    scene = dict(crease_source="LAYERS" if what == "layers" else "AUTO", line_color_strength=0.0)
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
     site = passes.run(layers, scene, camera=Camera(orthographic=True, height=20.0))[1][-1].site
     assert (site["dropped"] == 0).sum() == 20 * drawn
@@ -256,7 +256,7 @@ def test_the_foot_of_what_has_a_style_is_its_own_whichever_pixel_is_nearer():
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
     for styled in right, ~right:
         layers["style"] = np.ascontiguousarray(styled, np.float32)
-        sites = passes.run(layers, passes.ALL, [{"line_color": (1, 0, 0)}], camera=Camera())[1][-1].site
+        sites = passes.run(layers, passes.ALL, [{"ink_color": (1, 0, 0)}], camera=Camera())[1][-1].site
         sites = sites[sites["column"] == 11]  # others part what is nearer of one thing from what is farther
         assert len(sites) > 15 and styled[sites["near_y"], sites["near_x"], 0].all()
 

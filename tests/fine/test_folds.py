@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from encre.pen import library
 
-LINE = dict(edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.2, length_unit="PIXELS")
+LINE = dict(edge_detector="FINE", line_color_strength=0.0, line_shadow_strength=0.0, line_thickness=1.2,
+            length_unit="PIXELS")
 NEAR, RIM, FAR = 4.0, 4.3, 6.0
 
 

@@ -10,9 +10,11 @@ from encre.pen.settings import Settings
 from judge import verdict
 
 ROWS, COLUMNS, MIDDLE = 96, 128, 60.3
-PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=0.0, edge_seen=0.0, edge_color=0.0, edge_suggestive=1.0,
-           length_unit="PIXELS", suggestive_scale=3.0, suggestive_length=30.0, line_thickness=4.0, width_suggestive=1.0)
-ALONE = dict(edge_depth=0.0, edge_normal=0.0, edge_object=0.0)
+PEN = dict(verdict.PARAMS, edge_detector="FINE", line_shadow_strength=0.0, line_mirror_strength=0.0,
+           line_color_strength=0.0, line_suggestive_strength=1.0,
+           length_unit="PIXELS", suggestive_size=3.0, line_suggestive_shortest=30.0, line_thickness=4.0,
+           line_suggestive_width=1.0)
+ALONE = dict(line_inner_strength=0.0, line_crease_strength=0.0, line_outline_strength=0.0)
 Y, X = np.mgrid[:ROWS, :COLUMNS].astype(float)
 
 
@@ -46,7 +48,7 @@ def test_a_line_goes_where_a_slope_is_steepest_from_border_to_border():
 
 
 def test_none_is_drawn_by_default():
-    assert ink(of(slope(1.0)), edge_suggestive=0.0).max() == 0
+    assert ink(of(slope(1.0)), line_suggestive_strength=0.0).max() == 0
 
 
 @pytest.mark.parametrize("angle", (20, 45, 70))
@@ -72,7 +74,7 @@ def test_short_ones_are_thin_and_grow_wider_with_their_length():
         made = of(slope(0.0))
         turned = 0.9 * np.exp(-((X - MIDDLE) / 4) ** 2) / (1 + np.exp((np.abs(Y - 48) - half) / 2))
         made["normal"] = np.stack([turned, 0 * turned, np.sqrt(1 - turned**2)], -1)
-        sums.append(ink(made, suggestive_length=90.0, **ALONE)[48].sum())
+        sums.append(ink(made, line_suggestive_shortest=90.0, **ALONE)[48].sum())
     assert sums[0] < 1.8 and sums[-1] > 3.8
     assert (np.diff(sums) > -0.05).all() and np.diff(sums).max() < 0.6
 
@@ -81,7 +83,7 @@ def test_planes_and_round_things_have_none():
     ball = np.sqrt(np.maximum(50**2 - (X - 64) ** 2 - (Y - 48) ** 2, 0.0))
     made = of(ball)
     made["object"] = (ball > 0).astype(float)[..., None]
-    outline = ink(made, edge_suggestive=0.0)
+    outline = ink(made, line_suggestive_strength=0.0)
     assert outline.max() == 1
     np.testing.assert_array_equal(ink(made), outline)
     assert ink(of(0.8 * X)).max() == 0
@@ -126,7 +128,9 @@ def test_it_takes_the_place_of_a_hollow_beside_it():
 
 
 def test_a_hollow_does_not_go_at_once():
-    widths = [ink(of(slope(s)) | bent(56), edge_depth=0.0, line_thickness=2.0)[48] for s in np.arange(0.2, 1.21, 0.02)]
+    widths = [ink(of(slope(s)) | bent(56), line_inner_strength=0.0, line_thickness=2.0)[48] for s in np.arange(0.2,
+                                                                                                               1.21,
+                                                                                                               0.02)]
     hollow, form = (np.array([w[part].sum() for w in widths]) for part in (np.s_[:58], np.s_[58:]))
     assert hollow[0] == pytest.approx(2, abs=0.1) and hollow[-1] == form[0] == 0 and form[-1] > 1.9
     assert np.abs(np.diff(hollow)).max() < 0.4 and np.abs(np.diff(form)).max() < 0.4
@@ -136,26 +140,27 @@ def test_a_hollow_does_not_go_at_once():
 def test_it_doubles_no_outline(apart):
     made = of(slope(1.0))
     made["object"] = 1 + (MIDDLE + apart < X).astype(float)[..., None]
-    outline = ink(made, edge_suggestive=0.0)
+    outline = ink(made, line_suggestive_strength=0.0)
     assert outline.max() == 1
     np.testing.assert_array_equal(ink(made), outline)
 
 
 def test_it_goes_on_from_where_a_contour_ends():
     gap = 40 * np.clip((40 - Y) / 30, 0, 1) * (X > MIDDLE)
-    drawn = ink(of(slope(1.0) + gap), line_taper=12.0)
+    drawn = ink(of(slope(1.0) + gap), pen_1_taper=12.0)
     assert (drawn.sum(1) > 1).all()
-    assert ink(of(slope(1.0) + gap), line_taper=12.0, edge_suggestive=0.0)[60:].max() == 0
+    assert ink(of(slope(1.0) + gap), pen_1_taper=12.0, line_suggestive_strength=0.0)[60:].max() == 0
 
 
 def test_a_small_patch_of_shade_has_no_border_and_a_large_one_has_by_degrees():
-    scene = dict(ALONE, edge_suggestive=0.0, edge_light=1.0, width_light=1.0, line_thickness=2.0, use_shading=True,
-                 shade_levels=[(0.0,), (1.0, 0.5, 0.0)], light_length=120.0)
+    scene = dict(ALONE, line_suggestive_strength=0.0, line_shadow_strength=1.0, line_shadow_width=1.0,
+                 line_thickness=2.0, use_shading=True,
+                 shade_levels=[(0.0,), (1.0, 0.5, 0.0)], line_shadow_shortest=120.0)
     far, shares = np.hypot(X - 64, Y - 48), []
     for radius in np.arange(8, 25, 0.5):
         made = of(slope(0.0))
         made["diffuse"] = np.repeat((np.clip((far - radius) / 4 + 0.5, 0, 1))[..., None], 3, 2)
-        whole = ink(made, **{**scene, "light_length": 0.0}).sum()
+        whole = ink(made, **{**scene, "line_shadow_shortest": 0.0}).sum()
         assert whole == pytest.approx(2 * 2 * np.pi * radius, rel=0.05)
         shares.append(ink(made, **scene).sum() / whole)
     assert shares[0] == 0 and shares[-1] == pytest.approx(1, abs=1e-3)
@@ -172,45 +177,47 @@ def coloured(length, contrast, wide=6):
 
 def test_short_faint_lines_between_colours_go_by_degrees_and_strong_ones_stay():
     """Round bars that are just an edge the border's length counts about once, round dark ones many times and more."""
-    scene = dict(edge_suggestive=0.0, edge_color=2.5, width_color=1.0, edge_threshold=0.3, line_thickness=2.0)
+    scene = dict(line_suggestive_strength=0.0, line_color_strength=2.5, line_color_width=1.0, edge_threshold=0.3,
+                 line_thickness=2.0)
     shares = []
     for length in np.arange(8, 70, 2.0):
         faint = coloured(length, 0.25)
         whole = ink(faint, **scene).sum()
         assert whole > 2 * length
-        shares.append(ink(faint, **scene, color_length=96.0).sum() / whole)
+        shares.append(ink(faint, **scene, line_color_shortest=96.0).sum() / whole)
     assert shares[0] == 0 and shares[-1] == pytest.approx(1, abs=1e-3)
     assert np.diff(shares).min() > -0.01 and np.diff(shares).max() < 0.2
     strong = coloured(6, -0.45)
-    np.testing.assert_array_equal(ink(strong, **scene, color_length=96.0), ink(strong, **scene))
+    np.testing.assert_array_equal(ink(strong, **scene, line_color_shortest=96.0), ink(strong, **scene))
 
 
 def test_lines_between_colours_thin_out_as_those_about_them_do():
     """A short bar that is just an edge, which alone has no border, near a long one: as joints far away, of which now
     these and now those hang together."""
-    scene = dict(edge_suggestive=0.0, edge_color=2.5, width_color=1.0, edge_threshold=0.3, line_thickness=2.0)
+    scene = dict(line_suggestive_strength=0.0, line_color_strength=2.5, line_color_width=1.0, edge_threshold=0.3,
+                 line_thickness=2.0)
     long_, short = coloured(80, 0.25), coloured(10, 0.25)["color"]
     alone = dict(long_, color=short, albedo=short)
-    assert ink(alone, **scene).sum() > 20 and ink(alone, **scene, color_length=96.0).max() == 0
+    assert ink(alone, **scene).sum() > 20 and ink(alone, **scene, line_color_shortest=96.0).max() == 0
     shares = []
     for apart in range(9, 30, 2):
         both = dict(long_)
         both["color"] = both["albedo"] = long_["color"] + np.roll(short - short[0, 0], apart, 0)
         part = np.s_[48 + apart - 5:48 + apart + 6, 40:88]
-        shares.append(ink(both, **scene, color_length=96.0)[part].sum() / ink(both, **scene)[part].sum())
+        shares.append(ink(both, **scene, line_color_shortest=96.0)[part].sum() / ink(both, **scene)[part].sum())
     assert 0.4 < shares[0] < 0.95 and shares[-1] == 0
     assert np.diff(shares).max() <= 1e-3 and np.diff(shares).min() > -0.25
 
 
 def test_forms_smaller_than_the_scale_have_none():
     small = slope(1.0, width=1.2)
-    assert ink(of(small), suggestive_scale=12.0, **ALONE).max() == 0 < ink(of(small), **ALONE).max()
+    assert ink(of(small), suggestive_size=12.0, **ALONE).max() == 0 < ink(of(small), **ALONE).max()
 
 
 def test_a_style_has_its_own_weight():
     made = of(slope(1.0))
     made["style"] = (Y > 48).astype(float)[..., None]
-    drawn = ink(made, styles=({"edge_suggestive": 0.0},))
+    drawn = ink(made, styles=({"line_suggestive_strength": 0.0},))
     assert (drawn[:45].sum(1) > 3).all() and drawn[52:].max() == 0
 
 
@@ -229,7 +236,7 @@ def test_a_border_is_drawn_as_in_the_whole_frame():
     for across, down, wide, high in rng.uniform((0, 0, 6, -2.5), (400, 300, 20, 2.5), (80, 4)):
         height += high * wide * np.exp(-((x - across) ** 2 + (y - down) ** 2) / (2 * wide * wide))
     made = {name: np.ascontiguousarray(a, np.float32) for name, a in of(height).items()}
-    values = {**PEN, "suggestive_scale": 6.0, "suggestive_length": 48.0}
+    values = {**PEN, "suggestive_size": 6.0, "line_suggestive_shortest": 48.0}
     inner = Window(150, 120, 60, 50)
     outer = inner.grown(Settings(values).reach(300), 400, 300)
     assert outer.width < 400

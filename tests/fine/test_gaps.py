@@ -8,7 +8,7 @@ from encre.pen.job import Chains
 from known import LOOK, drawn, flat, line
 
 EDGE = 47.5
-THIN = dict(line_thickness=1.0, line_min_length=0.0)
+THIN = dict(line_thickness=1.0, line_shortest=0.0)
 
 
 def figure(behind=9.0):
@@ -62,7 +62,7 @@ def test_lines_of_pixels_end_there_too():
     for name in ("color", "albedo"):
         layers[name] = layers[name].copy()
         layers[name][30:, 48:] = 0.2
-    whole, cut = (drawn(layers, outline(), edge_color=1.0, line_gap=away, **THIN) for away in (0.0, 9.0))
+    whole, cut = (drawn(layers, outline(), line_color_strength=1.0, line_gap=away, **THIN) for away in (0.0, 9.0))
     at = whole[28:32].sum(0) > 0.3
     assert at[52:90].all()
     on = cut[28:32].sum(0) > 0.3
@@ -93,11 +93,11 @@ def test_a_halo_keeps_lines_away():
 
 @pytest.mark.parametrize("gap, share", [(10.0, 1), (60.0, 1.5), (1e9, 2)])
 def test_an_outer_contour_is_as_much_wider_as_asked_and_others_are_not(gap, share):
-    t = drawn(figure(), outline(gap), width_outer=2.0, width_contact=1.0)
+    t = drawn(figure(), outline(gap), line_outer_width=2.0, line_contact_width=1.0)
     np.testing.assert_allclose(t[20:60].sum(1), 2 * share, atol=0.03)
     fold = line([(EDGE, -40), (EDGE, 140)], "contour", side=1, behind=1, gap=gap)
     layers = flat()
-    assert drawn(layers, fold, width_outer=2.0)[20:60].sum(1) == pytest.approx(np.full(40, 2.0), abs=0.03)
+    assert drawn(layers, fold, line_outer_width=2.0)[20:60].sum(1) == pytest.approx(np.full(40, 2.0), abs=0.03)
 
 
 def test_any_number_of_threads_draws_the_same():

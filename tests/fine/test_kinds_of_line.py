@@ -9,9 +9,10 @@ from judge import verdict
 from views import pixels
 
 ROWS, COLUMNS, MIDDLE = 40, 60, 30
-PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=4.0, edge_seen=3.0, width_seen=1.0, width_light=1.0,
-           width_color=1.0, width_material=1.0, edge_material=1.0, edge_suggestive=1.0,
-           width_suggestive=1.0, line_thickness=2.0, line_color_by_kind=True)
+PEN = dict(verdict.PARAMS, edge_detector="FINE", line_shadow_strength=4.0, line_mirror_strength=3.0,
+           line_mirror_width=1.0, line_shadow_width=1.0,
+           line_color_width=1.0, line_material_width=1.0, line_material_strength=1.0, line_suggestive_strength=1.0,
+           line_suggestive_width=1.0, line_thickness=2.0, ink_by_kind=True)
 
 
 def wall():
@@ -93,8 +94,8 @@ def suggestive():
 
 
 KINDS = {"outline": outline, "contact": right("object", 2), "inner": right("depth", 9), "crease": crease,
-         "intersection": intersection, "material": material, "color": right("albedo", 0.1), "seen": seen,
-         "light": right("diffuse", 0.1), "mark": mark, "suggestive": suggestive}
+         "intersection": intersection, "material": material, "color": right("albedo", 0.1), "mirror": seen,
+         "shadow": right("diffuse", 0.1), "mark": mark, "suggestive": suggestive}
 
 
 def lines(layers, **values):
@@ -109,17 +110,17 @@ def test_each_kind_has_its_ink_and_its_pen(kind):
     layers = KINDS[kind]()
     if kind == "color":
         layers["color"] = layers["albedo"]
-    own = {f"line_color_{kind}": (1, 0, 0)}
-    others = {f"line_color_{other}": (1, 0, 0) for other in KINDS if other != kind}
+    own = {f"line_{kind}_ink": (1, 0, 0)}
+    others = {f"line_{other}_ink": (1, 0, 0) for other in KINDS if other != kind}
     ink = lines(layers)
     assert (ink[..., 3].sum(1) > 1.5).all() and not ink[..., :3].any()
     assert ink[:, :MIDDLE - 6].max() == 0 == ink[:, MIDDLE + 6:].max()
     red, black = (lines(layers, **colors) for colors in (own, others))
     np.testing.assert_allclose(red[..., 0], ink[..., 3], atol=1e-6)
     np.testing.assert_array_equal(black, ink)
-    wide = dict(pen_2_width=2.0, pen_2_softness=0.0, pen_2_paper=0.0, pen_2_gain=PEN["line_gain"],
-                pen_2_intensity=PEN["line_intensity"])
-    thick = lines(layers, **wide, **{f"line_pen_{kind}": "PEN_2"})[..., 3].sum(1)
+    wide = dict(pen_2_width=2.0, pen_2_softness=0.0, pen_2_grain=0.0, pen_2_steepness=PEN["pen_1_steepness"],
+                pen_2_intensity=PEN["pen_1_intensity"])
+    thick = lines(layers, **wide, **{f"line_{kind}_pen": "PEN_2"})[..., 3].sum(1)
     np.testing.assert_allclose(thick, 2 * ink[..., 3].sum(1), rtol=0.1)
-    np.testing.assert_array_equal(ink, lines(layers, **wide, **{f"line_pen_{other}": "PEN_2" for other in KINDS
+    np.testing.assert_array_equal(ink, lines(layers, **wide, **{f"line_{other}_pen": "PEN_2" for other in KINDS
                                                                if other != kind}))

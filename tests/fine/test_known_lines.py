@@ -91,9 +91,9 @@ def test_what_gives_way_makes_others_give_way_as_much_less():
 
 def test_what_is_left_of_creases_and_spans_next_to_nothing_is_not_drawn():
     short = line([(30, 30), (32, 30)], "crease")
-    assert not drawn(flat(), short, line_min_length=0.0).any()
-    assert drawn(flat(), line([(30, 30), (34, 30)], "crease"), line_min_length=0.0).any()
-    assert drawn(flat(), line([(30, 30), (32, 30)], "mark"), line_min_length=0.0).any()
+    assert not drawn(flat(), short, line_shortest=0.0).any()
+    assert drawn(flat(), line([(30, 30), (34, 30)], "crease"), line_shortest=0.0).any()
+    assert drawn(flat(), line([(30, 30), (32, 30)], "mark"), line_shortest=0.0).any()
 
 
 @pytest.mark.parametrize("layers", [step(3, 2), flat(depth=4.0) | {"object": flat(number=3)["object"]}])
@@ -115,7 +115,7 @@ def test_colours_keep_clear_of_what_is_older_and_are_led_on_to_it():
     layers["color"] = layers["albedo"] = np.where(np.arange(SIZE[1])[None, :, None] < 48, 1, 0.2) * np.ones(
         (*SIZE, 3), np.float32)
     layers["color"] = layers["albedo"] = np.ascontiguousarray(layers["albedo"], np.float32)
-    both = dict(edge_color=3.0, width_color=1.0)
+    both = dict(line_color_strength=3.0, line_color_width=1.0)
     beside = drawn(layers, line([(48.5, -40), (48.5, 100)], "crease"), **both)
     assert beside.sum() == pytest.approx(drawn(flat(), line([(48.5, -40), (48.5, 100)], "crease")).sum(), rel=0.01)
     crossed = drawn(layers, line([(-40, 30.4), (140, 30.4)], "crease"), **both)

@@ -14,7 +14,7 @@ def drawn(name, seed=0, **own):
     layers = dict(combined=np.ones((HEIGHT, WIDTH, 4), np.float32), color=0.8 * one, diffuse=one, normal=one,
                   depth=5 * one[..., 0], object=one[..., 0])
     layers = {**layers, **{id_: np.float32(a) for id_, a in own.items()}}
-    values = presets.find(name).values | dict(use_tones=False, pen_seed=seed)
+    values = presets.find(name).values | dict(use_tones=False, pen_1_seed=seed)
     return library.render(layers, values, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
 
 

@@ -9,7 +9,7 @@ from judge import verdict
 from reference.marks import marks, place_of, steps_of, told
 from views import crumpled, joined, looking, orthographic, perspective, pixels, rotation, soup
 
-PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=1.0)
+PEN = dict(verdict.PARAMS, edge_detector="FINE", line_color_strength=0.0, line_shadow_strength=0.0, line_thickness=1.0)
 
 
 def lines(rng, n, size=1.5, spread=2.0):
@@ -283,14 +283,14 @@ def test_a_mark_is_drawn_where_it_lies_and_as_wide_as_asked(b):
 def test_weight_width_and_style():
     layers = wall()
     full = ink(layers)
-    assert ink(layers, edge_mark=0.0).max() == 0
-    assert ink(layers, edge_mark=0.2).max() == 0 and PEN["edge_threshold"] > 0.2
-    assert ink(layers, width_mark=2.0).sum() == pytest.approx(2 * full.sum(), rel=0.05)
+    assert ink(layers, line_mark_strength=0.0).max() == 0
+    assert ink(layers, line_mark_strength=0.2).max() == 0 and PEN["edge_threshold"] > 0.2
+    assert ink(layers, line_mark_width=2.0).sum() == pytest.approx(2 * full.sum(), rel=0.05)
     layers["style"] = np.zeros((60, 80, 1), np.float32)
     layers["style"][:, 40:] = 1
-    half = ink(layers, ({"edge_mark": 0.0},))
+    half = ink(layers, ({"line_mark_strength": 0.0},))
     assert np.array_equal(half[:, :37], full[:, :37]) and not half[:, 43:].any()
-    assert 0.5 < ink(layers, ({"width_mark": 3.0},))[:, 43:].sum() / full[:, 43:].sum() / 3 < 1.5
+    assert 0.5 < ink(layers, ({"line_mark_width": 3.0},))[:, 43:].sum() / full[:, 43:].sum() / 3 < 1.5
 
 
 def test_lines_that_cross_or_meet_hang_together():
@@ -323,12 +323,12 @@ def test_a_mark_on_a_contour_or_a_crease_is_one_line():
     layers = wall(ends=(a, b))
     y, x = np.mgrid[:60, :80]
     left = x < a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-    marked = ink(layers, width_mark=2.0)[10:50].sum()
+    marked = ink(layers, line_mark_width=2.0)[10:50].sum()
     layers["normal"][left] = 0.6, 0, 0.8
-    assert ink(layers, width_mark=2.0)[10:50].sum() == pytest.approx(marked, rel=0.02)  # the crease is the mark's
+    assert ink(layers, line_mark_width=2.0)[10:50].sum() == pytest.approx(marked, rel=0.02)  # the crease is the mark's
     layers["depth"][left] = 3
     contour = ink({**layers, "marks": 0 * layers["marks"]})
-    assert np.abs(ink(layers, width_mark=2.0) - contour).max() < 0.05  # the contour's line it is
+    assert np.abs(ink(layers, line_mark_width=2.0) - contour).max() < 0.05  # the contour's line it is
 
 
 @pytest.mark.parametrize("what", ["object", "depth", "nothing"])
@@ -367,7 +367,8 @@ def test_a_contour_that_hardly_comes_before_its_own_body_is_a_line():
     off, amount = off_the_line(t, *LONG)
     nine = np.ones(9) / 9
     assert np.abs(np.convolve(off, nine, "valid")).max() < 0.1 and np.convolve(amount, nine, "valid").min() > 0.9
-    assert not ink(body(LONG, 3), edge_depth=0.0).any() and not ink(body(LONG, 3), crease_source="LAYERS").any()
+    assert not ink(body(LONG, 3), line_inner_strength=0.0).any() and not ink(body(LONG, 3),
+                                                                             crease_source="LAYERS").any()
     assert not ink(body(LONG, 3, meshes=False)).any()  # the layers are asked, in which nothing is
 
 
@@ -378,22 +379,22 @@ def test_a_contour_fades_into_its_body_and_no_short_one_is_only_faint():
     assert 0.3 < faint[:, 45:].sum() / sure[:, 45:].sum() < 0.7
     assert 0.6 < ink(body(LONG, 2)).sum() / sure.sum() < 0.9
     short = (30.2, 20.1), (42.1, 26.3)
-    assert not ink(body(short, 2), line_min_length=0.0).any() and ink(body(short, 3), line_min_length=0.0).any()
+    assert not ink(body(short, 2), line_shortest=0.0).any() and ink(body(short, 3), line_shortest=0.0).any()
 
 
 def test_a_place_of_a_contour_alone_is_no_line():
     layers = body(LONG, 3)
     layers["marks"][:] = 0
     layers["marks"][30, 40, 0] = -8.5
-    assert not ink(layers).any() and ink(layers, line_min_length=0.0).any()
+    assert not ink(layers).any() and ink(layers, line_shortest=0.0).any()
 
 
 def test_ripples_make_no_specks():
     speck = ((30.2, 20.1), (36.8, 24.3))
     layers = body(speck, 4)
-    assert not ink(layers, line_min_length=9.0).any() and ink(layers, line_min_length=4.0).any()
+    assert not ink(layers, line_shortest=9.0).any() and ink(layers, line_shortest=4.0).any()
     layers["object"][:, 33:] = 1  # what has an outline in it is no ripple
-    assert ink(layers, line_min_length=9.0)[:, 31:35].any()
+    assert ink(layers, line_shortest=9.0)[:, 31:35].any()
 
 
 @pytest.mark.parametrize("below, seen", [(-0.6, True), (0.6, False)])

@@ -14,11 +14,12 @@ from encre.pen.settings import Settings
 pytestmark = pytest.mark.slow
 
 SCENE = Path(__file__).parents[1] / "blender" / "inside" / "glass.py"
-PEN = dict(edge_detector="FINE", edge_threshold=0.3, edge_color=1.0, line_thickness=2.0, length_unit="PIXELS",
-           width_object=1.0, width_depth=1.0, width_normal=1.0, width_color=1.0, line_softness=0.0, line_paper=0.0,
-           line_gain=0.5, line_intensity=2.0, use_shading=False, use_smudging=False, use_hatching=False,
+PEN = dict(edge_detector="FINE", edge_threshold=0.3, line_color_strength=1.0, line_thickness=2.0, length_unit="PIXELS",
+           line_outline_width=1.0, line_inner_width=1.0, line_crease_width=1.0, line_color_width=1.0,
+           pen_1_softness=0.0, pen_1_grain=0.0,
+           pen_1_steepness=0.5, pen_1_intensity=2.0, use_shading=False, use_smudging=False, use_hatching=False,
            crease_source="LAYERS",  # no mesh tells of creases in a mirror: the open view has them from the normals too
-           line_min_length=0.0)  # of a line behind glass noise may leave pieces that meet no other
+           line_shortest=0.0)  # of a line behind glass noise may leave pieces that meet no other
 
 
 def rendered(blender, folder, kind, size="480x270", samples=8):
@@ -102,7 +103,7 @@ def test_passes_are_there_only_where_they_are_needed(tmp_path):
     script = tmp_path / "off.py"
     script.write_text(f"import bpy, runpy\nrunpy.run_path({str(SCENE)!r})['build']('MIRROR')\n"
                       "layer = bpy.context.view_layer\nassert not layer.cycles.denoising_store_passes\n")
-    for change in ("edge_seen=0", "edge_detector=SOBEL"):
+    for change in ("line_mirror_strength=0", "edge_detector=SOBEL"):
         blenders.encre("bpy", tmp_path, "render", script, "-o", tmp_path / "off.exr", "--size", "64x36", "--samples", 1,
                        "--set", change)
         with multilayer.Exr(str(tmp_path / "off.exr")) as file:

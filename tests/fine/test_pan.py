@@ -117,7 +117,7 @@ def share_that_pops(found, size):
 
 @pytest.mark.parametrize("size, count", [((108, 192), 8), LARGE])
 def test_lines_of_shapes_go_where_a_pan_takes_them(size, count):
-    assert max(share_that_pops(frames(size, 0.03, count, edge_light=0.0), size)) < 0.001
+    assert max(share_that_pops(frames(size, 0.03, count, line_shadow_strength=0.0), size)) < 0.001
 
 
 @pytest.mark.parametrize("flat, size, count", [(True, (108, 192), 8),

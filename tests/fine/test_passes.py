@@ -22,9 +22,10 @@ library = Library(sys.argv[1])
 scene = drawn.scene(193, 121, noise=0.02)
 seen = scene | dict(seen_color=scene["albedo"], seen_normal=-scene["normal"])
 scene["style"] = scene["object"] % 2
-full = dict(edge_detector="FINE", edge_color=3.0, edge_light=4.0, edge_seen=3.0, edge_material=1.0)
+full = dict(edge_detector="FINE", line_color_strength=3.0, line_shadow_strength=4.0,
+            line_mirror_strength=3.0, line_material_strength=1.0)
 for layers in scene, seen, bench.balls(300, 200, 24), noise.everywhere(96, 64), noise.textures(96, 64):
-    for settings in full, full | dict(edge_threshold=0.0), dict(edge_detector="FINE", edge_depth=0.0):
+    for settings in full, full | dict(edge_threshold=0.0), dict(edge_detector="FINE", line_inner_strength=0.0):
         images = library.render(layers, settings, [{"line_thickness": 20.0}], outputs=list(library.outputs)).images
         print(hashlib.sha256(b"".join(images[name].tobytes() for name in sorted(images))).hexdigest())
 """

@@ -19,7 +19,7 @@ from judge.camera import look
 pytestmark = pytest.mark.slow
 
 SIZE = 270, 480
-PARAMS = verdict.PARAMS | {"edge_light": 0.0}
+PARAMS = verdict.PARAMS | {"line_shadow_strength": 0.0}
 SCENE = '''
 import bpy, json
 from mathutils import Matrix

@@ -33,7 +33,7 @@ def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
     """Where colours differ by about what makes an edge it takes little to make a line, or none."""
     ink = inked(sizes.crowd(), name)
     agrees("crowd", name, ink)
-    faint = preset(name)["edge_color"] == 1.0 and preset(name)["edge_threshold"] == 0.3
+    faint = preset(name)["line_color_strength"] == 1.0 and preset(name)["edge_threshold"] == 0.3
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
     assert change[200] < 0.055 and change[50] < (0.1 if faint else 0.05), change
     more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
@@ -66,7 +66,8 @@ def test_lines_of_light_fade_where_they_close_up(lean):
         layers = striped(apart, lean)
         layers["diffuse"] = np.repeat(2 * layers["color"][..., :1] - 0.5, 3, 2)
         layers["color"] = np.full_like(layers["diffuse"], 0.6)
-        scene = dict(edge_detector="FINE", edge_light=4.0, line_thickness=2.0, line_softness=0.0, line_paper=0.0)
+        scene = dict(edge_detector="FINE", line_shadow_strength=4.0, line_thickness=2.0, pen_1_softness=0.0,
+                     pen_1_grain=0.0)
         return library.render(layers, scene, outputs=["Encre Lines"],
                               frame=Frame(1440, 1080, 100, 100)).images["Encre Lines"][15:-15, 15:-15, 3].mean()
     far = {apart: ink(apart) for apart in (12, 8, 5, 3.5, 2.5, 1.7, 1.0)}
@@ -90,7 +91,8 @@ def test_the_shadow_of_a_fence_far_away_is_a_tone(aside, soft):
                   diffuse=flat * light[..., None], object=flat[..., :1],
                   depth=400 * np.repeat(1 / (np.arange(height) + 3.5), width).reshape(height, width, 1))
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-    scene = dict(edge_detector="FINE", edge_light=4.0, line_thickness=2.0, line_softness=0.0, line_paper=0.0)
+    scene = dict(edge_detector="FINE", line_shadow_strength=4.0, line_thickness=2.0, pen_1_softness=0.0,
+                 pen_1_grain=0.0)
     ink = library.render(layers, scene, outputs=["Encre Lines"],
                          frame=Frame(1440, 1080, 100, 100)).images["Encre Lines"][:, 10:-10, 3]
     by_row = ink.reshape(-1, 10 * ink.shape[1]).mean(1)  # from the horizon
@@ -138,7 +140,7 @@ def test_the_pencil_draws_no_stairs(width, height):
     image = np.full((2, 2, 1), height, np.float32)
     shown = library.render(slanted(), values, image=lambda _: image, outputs=["Encre Lines"])
     t = shown.images["Encre Lines"][5:-5, :, 3]
-    rough = 1 + values["line_paper"] * (height - 1)
+    rough = 1 + values["pen_1_grain"] * (height - 1)
     rise = min(0.25, rough - 0.5)
     want = width * (1 - 0.9 * (0.5 + rise / 2) / rough) * min(1, 4 * (rough - 0.5)) * np.sqrt(1 + 1 / 64)
     assert t.sum(1) == pytest.approx(want, rel=0.06)

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 from encre.pen import library
 
-PEN = dict(edge_detector="FINE", edge_color=0.0, edge_light=0.0, edge_normal=0.0, length_unit="PIXELS",
-           line_softness=0.0, line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
+PEN = dict(edge_detector="FINE", line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0,
+           length_unit="PIXELS",
+           pen_1_softness=0.0, pen_1_steepness=0.5, pen_1_intensity=2.0, pen_1_grain=0.0, use_shading=False,
+           use_smudging=False,
            use_hatching=False, paper_source="NONE", line_thickness=6.0, ink_on_dark=1.0)
 HEIGHT, WIDTH = 240, 60
 
@@ -53,7 +55,7 @@ def test_little_of_the_second_ink_narrows_a_line_by_little(share):
     """So that nothing jumps as the slider leaves 0."""
     value = ground((60, 180))
     assert np.abs(whites(value, ink_on_dark=share)[100:140] - 6 * share).max() < 0.1
-    both = whites(value, ink_on_dark=share, line_color=(1.0, 1.0, 1.0))  # all of the line
+    both = whites(value, ink_on_dark=share, ink_color=(1.0, 1.0, 1.0))  # all of the line
     assert np.abs(both[:60] - 6).max() < 0.1 and 6 * (1 - share) - 0.1 < both[6:-6].min() < 6 - 3 * share
 
 
@@ -120,7 +122,7 @@ def test_white_lines_are_as_thin_as_asked_but_no_hairs(wide):
 
 
 def test_patterns_can_be_left_out_of_the_dark():
-    value, colored = np.zeros((HEIGHT, WIDTH)), dict(edge_color=1.0, width_color=1.0)
+    value, colored = np.zeros((HEIGHT, WIDTH)), dict(line_color_strength=1.0, line_color_width=1.0)
     assert np.abs(whites(value, True, **colored)[100:140] - 6).max() < 0.1
     assert whites(value, True, ink_dark_colors=0.0, **colored).max() == 0
     assert np.abs(whites(value, ink_dark_colors=0.0, **colored)[100:140] - 6).max() < 0.1

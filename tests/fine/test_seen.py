@@ -10,7 +10,8 @@ from judge import measure, scenes, verdict
 CONTROLS = len(library.controls())
 
 RIM = np.s_[20:-20, 30:-30]  # the mirror in the frame
-PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_light=0.0, edge_seen=3.0, width_seen=1.0)
+PEN = dict(verdict.PARAMS, edge_detector="FINE", line_shadow_strength=0.0, line_mirror_strength=3.0,
+           line_mirror_width=1.0)
 
 
 def mirrored(scene, filter="box"):
@@ -71,10 +72,10 @@ def test_an_orthographic_mirror():
     """Two halves that only their depths tell apart."""
     layers = halves()
     eye = Camera(orthographic=True, height=5.0)
-    t = drawn(layers, eye, edge_seen=3.0)[..., 3]
+    t = drawn(layers, eye, line_mirror_strength=3.0)[..., 3]
     assert (t[25:35, 40:60].max(1) > 0.5).all()
     layers["seen_depth"][...] = 3
-    t = drawn(layers, eye, edge_seen=3.0)[..., 3]
+    t = drawn(layers, eye, line_mirror_strength=3.0)[..., 3]
     assert t[25:35, 40:60].max() == 0
 
 
@@ -90,22 +91,22 @@ def halves(color=(0.5, 0.5, 0.5), depth=(3.0, 4.0)):
 
 
 def drawn(layers, camera=None, **params):
-    values = {**PEN, "edge_seen": 1.0, "line_thickness": 2.0, **params}
+    values = {**PEN, "line_mirror_strength": 1.0, "line_thickness": 2.0, **params}
     return library.render(layers, values, camera=camera, outputs=("Encre Lines",)).images["Encre Lines"]
 
 
 def test_weight_width_and_the_mirrors_own_controls():
     layers = halves(color=(1.0, 0.1, 0.1))
     for width in (2.0, 6.0):
-        t = drawn(layers, line_thickness=4.0, width_seen=width / 4)[30, :, 3]
+        t = drawn(layers, line_thickness=4.0, line_mirror_width=width / 4)[30, :, 3]
         assert t.sum() == pytest.approx(width, abs=0.2)
         assert (t * np.arange(100)).sum() / t.sum() == pytest.approx(49.5, abs=0.1)
-    assert drawn(layers, edge_seen=0.2)[..., 3].max() == 0
+    assert drawn(layers, line_mirror_strength=0.2)[..., 3].max() == 0
     near = {**layers, "depth": layers["depth"].copy(), "controls": np.zeros((60, 100, CONTROLS), np.float32)}
     near["depth"][:, 52:54] = 0.5  # a post before the mirror, beside the line
     near["controls"][:, 52:54, 0] = -1
     near["controls"][:, :52, 0] = 0.25
-    t = drawn(near, line_thickness=2.0, edge_depth=0.0, edge_object=0.0)[30, 40:52, 3]
+    t = drawn(near, line_thickness=2.0, line_inner_strength=0.0, line_outline_strength=0.0)[30, 40:52, 3]
     assert t.sum() > 3  # three times as thick as without controls, but for the post's side
 
 
@@ -119,7 +120,7 @@ def test_other_detectors_and_files_without_what_is_seen_draw_none():
     assert drawn({k: a for k, a in layers.items() if k != "seen_depth"})[..., 3].max() == 1
     layers["normal"][...] = layers["seen_normal"]  # no mirror: it is the surface's own colour
     layers["depth"][...] = layers["seen_depth"]
-    assert drawn(layers, edge_depth=0.0)[..., 3].max() == 0
+    assert drawn(layers, line_inner_strength=0.0)[..., 3].max() == 0
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -147,5 +148,5 @@ def test_black_spots_are_no_mirrors():
     layers = {"combined": np.ones((90, 160, 4)), "color": paint, "albedo": paint, "diffuse": flat,
               "depth": flat[..., :1] * 5, "normal": normal, "object": flat[..., :1], "seen_color": paint,
               "seen_normal": normal * share, "seen_depth": flat[..., :1] * 5 * share}
-    t = drawn({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, edge_color=0.0)
+    t = drawn({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, line_color_strength=0.0)
     assert t.max() == 0

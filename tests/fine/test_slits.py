@@ -43,8 +43,8 @@ def layers_with(meshes):
                 creases=creases)
 
 
-SCENE = dict(edge_detector="FINE", line_thickness=3.0, line_softness=0.0, line_paper=0.0, line_gain=0.5,
-             line_intensity=2.0)
+SCENE = dict(edge_detector="FINE", line_thickness=3.0, pen_1_softness=0.0, pen_1_grain=0.0, pen_1_steepness=0.5,
+             pen_1_intensity=2.0)
 
 
 def drawn(*boards, slope):
@@ -122,7 +122,8 @@ def lines_of_shadow(width, slope, tapers=0.0):
     grey, light = np.full((40, 160, 3), 0.5, np.float32), np.float32(np.repeat((1 - 0.8 * dark)[..., None], 3, 2))
     layers = dict(combined=np.dstack([grey, np.ones((40, 160), np.float32)]), color=grey, diffuse=light,
                   depth=np.full((40, 160), 5, np.float32), normal=np.tile(np.float32((0, 0, 1)), (40, 160, 1)))
-    settings = {**SCENE, "line_thickness": 1.0, "length_unit": "PIXELS", "edge_light": 4.0, "width_light": 1.0}
+    settings = {**SCENE, "line_thickness": 1.0, "length_unit": "PIXELS", "line_shadow_strength": 4.0,
+                "line_shadow_width": 1.0}
     out = library.render(layers, settings, frame=Frame(160, 40), camera=Camera(orthographic=True, height=5.0),
                          outputs=("Encre Lines",))
     return out.images["Encre Lines"][:, 8:-8, 3].sum(0)
@@ -149,7 +150,7 @@ def light_beside(apart, fold):
     for name, row in (("diffuse", np.repeat(light[:, None], 3, 1)), ("depth", np.where(side, 4, 5)[:, None]),
                       ("object", np.where(side | fold, 1, 2)[:, None])):
         layers[name] = np.tile(row, (60, 1, 1)).astype(np.float32)
-    settings = {**SCENE, "line_thickness": 2.0, "edge_light": 4.0, "width_light": 1.0}
+    settings = {**SCENE, "line_thickness": 2.0, "line_shadow_strength": 4.0, "line_shadow_width": 1.0}
     out = library.render(layers, settings, frame=Frame(1920, 1080), outputs=("Encre Lines",))
     return out.images["Encre Lines"][20:40, 42:70, 3].sum(1).mean()
 

@@ -56,7 +56,7 @@ def test_what_is_flat_has_corners_or_is_straight_stays(lines):
 def test_a_line_that_ends_at_a_moved_one_follows_it():
     """A crease that ends in a corner which the curve cuts off reaches the curve and no farther."""
     crease = line([(MIDDLE, MIDDLE), (MIDDLE + 36, MIDDLE)], "crease", run=1)
-    t = of([ring(6), crease], 4.0, line_max_thickness=1.0, line_thickness=1.0)
+    t = of([ring(6), crease], 4.0, line_thickest=1.0, line_thickness=1.0)
     row = t[int(MIDDLE)]
     last = np.flatnonzero(row > 0.3)[-1]
     assert row[50:last + 1].all() and MIDDLE + 30 < last < MIDDLE + 35

@@ -10,7 +10,7 @@ from encre.pen import library
 from encre.pen.job import Camera
 from judge import verdict
 
-PEN = dict(verdict.PARAMS, edge_detector="FINE", edge_color=0.0, edge_light=0.0, line_thickness=2.0)
+PEN = dict(verdict.PARAMS, edge_detector="FINE", line_color_strength=0.0, line_shadow_strength=0.0, line_thickness=2.0)
 BORDER = 8
 
 
@@ -129,7 +129,7 @@ def test_half_of_a_ball_stays_clear_as_of_a_bar(wide):
 @pytest.mark.parametrize("width", [12, 14])
 def test_the_sides_of_a_pole_are_no_beads(width):
     """Of a brush whose rim is frayed and whose lines have room for a part of their width: it varies slowly."""
-    pen = dict(PEN, line_thickness=10.0, pen_rough=0.45, pen_pressure=0.32)
+    pen = dict(PEN, line_thickness=10.0, pen_1_rough=0.45, pen_1_pressure=0.32)
     layers, off = rod(width, np.radians(97), 0.2, 9.0, (120, 600))
     t = ink({**layers, "anchor": anchored(layers, 0.01)}, pen=pen)
     for side in off < 0, off > 0:
@@ -142,12 +142,12 @@ def test_a_level_wire_is_as_wide_all_along(level):
     """Also where it covers no pixel centre, before a wall that is far away and drawn with other widths; and drawn by a
     hand that presses now more, now less, it has no beads, nor is it one line here and two there."""
     near = slice(12, 84) if level < 20 else slice(20, 42)
-    pressed = dict(pen_pressure=0.5, pen_pressure_length=60.0, line_thickness=1.6)
+    pressed = dict(pen_1_pressure=0.5, pen_1_pressure_length=60.0, line_thickness=1.6)
     for width in (0.7, 1.0, 1.5, 2.0, 3.0, 4.0):
         layers, off = rod(width, np.radians(90 - level), 0.2, 9.0, (40, 96))
         layers["anchor"] = anchored(layers, 0.1)
         for hand in ({}, pressed):
-            pen = dict(PEN, width_contact=0.4, line_depth_distance=4.0, **{"line_thickness": 2.0, **hand})
+            pen = dict(PEN, line_contact_width=0.4, line_far_distance=4.0, **{"line_thickness": 2.0, **hand})
             t = ink(layers, pen=pen)
             across = np.convolve(t.sum(0)[near] * np.cos(np.radians(level)), np.ones(3) / 3, "valid")
             middle = np.where(np.abs(off) < 0.5, t, 0).max(0)[near]
@@ -224,7 +224,7 @@ def test_a_ledge_a_pixel_high_has_no_comb():
     layers["depth"][:] = np.where(np.indices(z.shape)[0] < 12, 4.0, 6.0)
     for axis in (0, 1):
         turned = {name: np.ascontiguousarray(np.swapaxes(a, 0, axis)) for name, a in (layers | known).items()}
-        t = np.swapaxes(ink(turned, pen=PEN | dict(edge_object=0.0)), 0, axis)
+        t = np.swapaxes(ink(turned, pen=PEN | dict(line_outline_strength=0.0)), 0, axis)
         assert t[10:14, 8:-8].max(0).min() > 0.9
 
 
@@ -248,7 +248,7 @@ def test_where_wires_cross_is_no_knot():
 
 def test_faint_lines_are_no_thorns_on_a_pole():
     """Streaks of a wall that are too faint to be seen grew to the width of the pole's line where they meet it."""
-    pen = dict(PEN, edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_thickness=5.0)
+    pen = dict(PEN, edge_threshold=0.01, line_color_strength=1.0, line_contrast=1.0, line_thickness=5.0)
     for width in (2.0, 4.0, 6.0):
         layers, off = rod(width, 0.1, 0.2, 9.0)
         streaky = {**layers, "color": layers["color"].copy()}

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from encre.pen import library
 
-PEN = dict(edge_detector="FINE", edge_color=0.0, edge_light=0.0, edge_normal=0.0, length_unit="PIXELS",
-           line_softness=0.0, line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
+PEN = dict(edge_detector="FINE", line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0,
+           length_unit="PIXELS",
+           pen_1_softness=0.0, pen_1_steepness=0.5, pen_1_intensity=2.0, pen_1_grain=0.0, use_shading=False,
+           use_smudging=False,
            use_hatching=False, paper_source="NONE")
 SIZE = 72, 96
 
@@ -111,7 +113,8 @@ def test_a_joint_of_two_materials_runs_where_the_mesh_says(slant):
                   diffuse=flat, normal=flat * (0, 0, 1), depth=np.full(SIZE, 4.0), object=np.ones(SIZE), marks=marks,
                   creases=np.zeros((*SIZE, 5)), material=1.0 + below)
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-    made = library.render(layers, dict(PEN, edge_color=3.0, edge_material=0.0, line_thickness=1.5, edge_threshold=0.1),
+    made = library.render(layers, dict(PEN, line_color_strength=3.0, line_material_strength=0.0, line_thickness=1.5,
+                                       edge_threshold=0.1),
                           outputs=["Encre Lines"])
     t = made.images["Encre Lines"][..., 3].astype(float)[8:-8, 8:-8]
     off = ((y - 36.3) - slant * (x - 48.1))[8:-8, 8:-8]
@@ -134,7 +137,7 @@ def reach_of_overshoot(size, painted=False, **more):
     one = np.ones_like(flat)
     layers = dict(combined=np.ones((96, 96, 4), np.float32), color=flat, diffuse=one, normal=one,
                   depth=5 * one[..., :1], object=object_, anchor=anchor)
-    pen = dict(PEN, line_thickness=2.0, pen_overshoot=12.0, edge_color=float(painted), **more)
+    pen = dict(PEN, line_thickness=2.0, pen_1_overshoot=12.0, line_color_strength=float(painted), **more)
     t = library.render(layers, pen, outputs=["Encre Lines"]).images["Encre Lines"][..., 3]
     rows = np.flatnonzero(t.max(1) > 0.1)
     return max(40 - rows[0], rows[-1] - 39 - size)
@@ -149,5 +152,5 @@ def test_what_is_tiny_does_not_bristle():
 
 def test_lines_between_colours_bristle_less_if_asked():
     assert reach_of_overshoot(50, True) > 6
-    assert reach_of_overshoot(50, True, pen_overshoot_color=0.0) < 2
-    assert reach_of_overshoot(50, pen_overshoot_color=0.0) > 6
+    assert reach_of_overshoot(50, True, pen_1_overshoot_color=0.0) < 2
+    assert reach_of_overshoot(50, pen_1_overshoot_color=0.0) > 6

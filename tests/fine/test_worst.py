@@ -90,7 +90,8 @@ def test_what_is_kept_is_strong_and_lies_everywhere():
     layers = noise.textures(side, side)
     weak = np.arange(side) % 32 >= 16
     layers["albedo"][:, weak] = 0.5 + 0.2 * (layers["albedo"][:, weak] - 0.5)
-    settings = dict(edge_detector="FINE", edge_color=1.0, edge_threshold=0.0, edge_normal=0.0, contrast_max=1.0)
+    settings = dict(edge_detector="FINE", line_color_strength=1.0, edge_threshold=0.0, line_crease_strength=0.0,
+                    contrast_full=1.0)
     strength = load().render(layers, settings, outputs=["Encre Edges"]).images["Encre Edges"][..., 0]
     assert strength[:, ~weak].mean() > 2 * strength[:, weak].mean()
 

@@ -27,13 +27,14 @@ from encre.pen import library
 FILE = Path(__file__).parents[2] / "build" / "bench.json"
 BYTES = 112  # a pixel's in the copy
 THREADS = 1, 2
-INTER_COLOR = dict(edge_threshold=0.01, edge_color=1.0, line_contrast=1.0, line_softness=0.0, line_thickness=12.0,
-                   line_gain=0.5, line_intensity=2.0, line_paper=0.0, use_shading=False, use_smudging=False,
+INTER_COLOR = dict(edge_threshold=0.01, line_color_strength=1.0, line_contrast=1.0, pen_1_softness=0.0,
+                   line_thickness=12.0,
+                   pen_1_steepness=0.5, pen_1_intensity=2.0, pen_1_grain=0.0, use_shading=False, use_smudging=False,
                    use_hatching=False)
 ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=False,
                use_rim=False, use_specks=False, use_wash=False)
 DOG, SOBEL, FINE = ({"edge_detector": name} for name in ("DOG", "SOBEL", "FINE"))
-ALL_SOURCES = dict(edge_color=3.0, edge_light=4.0)
+ALL_SOURCES = dict(line_color_strength=3.0, line_shadow_strength=4.0)
 # case: its settings, the ratios that are aimed at on one thread and on two, and what is drawn
 LOOKS = {
     "Water Memory, DOG": (DOG, (2.0, 1.5)),

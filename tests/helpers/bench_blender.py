@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[2]
 PLAIN = "Cycles alone"
 # Lines of the shapes alone, not of what mirrors show, as the others draw them.
 LINES = dict(layer_source="CYCLES", light_source="CYCLES", use_shading=False, use_smudging=False, use_hatching=False,
-             save_layers="OFF", edge_color=0.0, edge_light=0.0, edge_seen=0.0)
+             save_layers="OFF", line_color_strength=0.0, line_shadow_strength=0.0, line_mirror_strength=0.0)
 
 
 @contextlib.contextmanager

@@ -25,16 +25,17 @@ from encre.pen.errors import Cancelled
 PLAIN = ALL_OFF | FINE | dict(use_lines=True)
 # case: what a hand or a tool changes of plain lines
 PENS = {
-    "pressure and wobble": dict(pen_pressure=0.45, pen_wobble=0.9),
-    "wider in bends": dict(pen_curve=0.3),
+    "pressure and wobble": dict(pen_1_pressure=0.45, pen_1_wobble=0.9),
+    "wider in bends": dict(pen_1_curve=0.3),
     "second ink in the dark": dict(ink_on_dark=1.0),
-    "frayed": dict(pen_rough=0.45),
-    "dashes": dict(pen_dash=40.0),
-    "gaps": dict(pen_gaps=0.2),
-    "dry bristles": dict(pen_dry=0.8),
-    "strip": dict(pen_strip=1.0, pen_strip_image="chalk"),
-    "tapered, with overshoot": dict(line_taper=40.0, pen_overshoot=12.0),
-    "brush: all but dashes": dict(pen_pressure=0.45, pen_wobble=0.9, pen_rough=0.45, line_taper=40.0, pen_pool=0.5),
+    "frayed": dict(pen_1_rough=0.45),
+    "dashes": dict(pen_1_dash=40.0),
+    "gaps": dict(pen_1_gaps=0.2),
+    "dry bristles": dict(pen_1_dry=0.8),
+    "strip": dict(pen_1_strip=1.0, pen_1_strip_image="chalk"),
+    "tapered, with overshoot": dict(pen_1_taper=40.0, pen_1_overshoot=12.0),
+    "brush: all but dashes": dict(pen_1_pressure=0.45, pen_1_wobble=0.9, pen_1_rough=0.45, pen_1_taper=40.0,
+                                  pen_1_pool=0.5),
 }
 STRIP = 1 - hands.chalk()
 PEN_ASKED = 0.3  # microseconds a site beside plain lines
@@ -121,7 +122,7 @@ def bake(rounds, side):
     form = np.stack([0.2 + 2 * x, 0.3 * x, 1.5 - y], 2)
     print(f"\nbaking {side} x {side} texels; copy of {24 * side * side / 1e6:.0f} MB: {copy * 1e3:.1f} ms = 1.00")
     cases = {"plain": {}, "uniform": dict(form=form), "CIEDE2000": dict(scene=dict(contrast_metric="CIEDE2000")),
-             "local contrast": dict(scene=dict(contrast_auto=True))}
+             "local contrast": dict(scene=dict(contrast_local=True))}
     for case, options in cases.items():
         for threads in (1, 0):
             best = 1e9

@@ -25,8 +25,8 @@ ROOT = Path(__file__).parents[2]
 RADIUS, FADE, GAIN, BIAS = 4.0, 3.6, 4.0, 0.5  # Encre's own line at neutral controls
 LEVELS = 0.5, (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)
 TINT, SATURATION = (0.60, 0.55, 0.90), 0.6
-ENCRE = dict(edge_detector="DOG", length_unit="PIXELS", line_paper=0.0, line_occlude=False, use_hatching=False,
-             use_smudging=False, **{f"width_{source}": 1.0 for source in ("object", "depth", "normal")})
+ENCRE = dict(edge_detector="DOG", length_unit="PIXELS", pen_1_grain=0.0, line_occlude=False, use_hatching=False,
+             use_smudging=False, **{f"line_{kind}_width": 1.0 for kind in ("outline", "inner", "crease")})
 AIMS = {"numpy and scipy": 40, "OpenCV": 30}
 READ = "combined", "color", "diffuse", "depth", "normal", "object"  # what the picture is made of
 

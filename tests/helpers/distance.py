@@ -57,7 +57,7 @@ def rows(folder, samples):
     (folder / "floor.py").write_text(SCENE)
     out = folder / f"floor{samples}.exr"
     blenders.encre("bpy", folder, "render", folder / "floor.py", "-o", out, "--preset", "inter_color", "--set",
-                   "line_depth_distance=0", "--size", f"{WIDTH}x{HEIGHT}", "--samples", samples)
+                   "line_far_distance=0", "--size", f"{WIDTH}x{HEIGHT}", "--samples", samples)
     depth, albedo, ink = (exr.part(out, f"ViewLayer.{name}") for name in ("Depth", "DiffCol", "Encre Lines"))
     size = CHECK * EYE * WIDTH * 50 / 36 / depth[:, WIDTH // 2, 0] ** 2
     grey, level = albedo.mean(2), [np.mean([((c + 0.055) / 1.055) ** 2.4 for c in color])

@@ -17,15 +17,18 @@ from encre.pen import library
 from encre.pen.job import Camera, Frame, Mesh
 
 PLAIN = {"edge_detector": "FINE", "use_shading": False, "use_smudging": False, "use_hatching": False,
-         "line_softness": 0.0, "line_gain": 0.5, "line_intensity": 2.0, "line_paper": 0.0, "paper_source": "NONE",
-         "edge_color": 0.0, "edge_light": 0.0, "line_thickness": 12.0}
-PENS = {"brush": {"pen_pressure": 0.45, "pen_rough": 0.45},
-        "pencil": {"pen_pressure": 0.2, "pen_pressure_length": 72.0, "pen_wobble": 1.3, "pen_wobble_length": 80.0,
-                   "pen_rough": 0.9, "pen_rough_length": 6.6, "pen_strokes": 2, "line_thickness": 6.0},
-        "marker": {"pen_pressure": 0.07, "pen_dry": 0.75, "line_thickness": 15.0},
-        "gaps": {"pen_gaps": 0.25},
-        "dashes": {"pen_dash": 40.0, "pen_dash_space": 14.0, "line_thickness": 6.0},
-        "strip": {"pen_strip": 1.0, "pen_strip_length": 120.0, "pen_strip_image": "chalk", "line_thickness": 15.0}}
+         "pen_1_softness": 0.0, "pen_1_steepness": 0.5, "pen_1_intensity": 2.0, "pen_1_grain": 0.0,
+         "paper_source": "NONE",
+         "line_color_strength": 0.0, "line_shadow_strength": 0.0, "line_thickness": 12.0}
+PENS = {"brush": {"pen_1_pressure": 0.45, "pen_1_rough": 0.45},
+        "pencil": {"pen_1_pressure": 0.2, "pen_1_pressure_length": 72.0, "pen_1_wobble": 1.3,
+                   "pen_1_wobble_length": 80.0,
+                   "pen_1_rough": 0.9, "pen_1_rough_length": 6.6, "pen_1_strokes": 2, "line_thickness": 6.0},
+        "marker": {"pen_1_pressure": 0.07, "pen_1_dry": 0.75, "line_thickness": 15.0},
+        "gaps": {"pen_1_gaps": 0.25},
+        "dashes": {"pen_1_dash": 40.0, "pen_1_dash_space": 14.0, "line_thickness": 6.0},
+        "strip": {"pen_1_strip": 1.0, "pen_1_strip_length": 120.0, "pen_1_strip_image": "chalk",
+                  "line_thickness": 15.0}}
 REACH = 6  # pixels
 
 
@@ -217,8 +220,8 @@ def sizes(values, heights=(540, 360, 180)):
 
 # ---- a sheet -------------------------------------------------------------------------------------------------
 
-CLIP = {"use_tones": True, "line_thickness": 10.0, "line_taper": 30.0, "pen_pressure": 0.4, "pen_wobble": 0.9,
-        "pen_rough": 0.4, "shade_levels": [(0.3,), (0.75, 0.5, 0.04), (1.0, 0.8, 0.04)],
+CLIP = {"use_tones": True, "line_thickness": 10.0, "pen_1_taper": 30.0, "pen_1_pressure": 0.4, "pen_1_wobble": 0.9,
+        "pen_1_rough": 0.4, "shade_levels": [(0.3,), (0.75, 0.5, 0.04), (1.0, 0.8, 0.04)],
         "tone_1": "LINES", "tone_1_space": "SURFACE", "tone_1_pitch": 16.0, "tone_1_angle": 0.0,
         "tone_2": "DOTS", "tone_2_space": "SURFACE", "tone_2_pitch": 16.0, "tone_3": "NONE"}
 

@@ -8,10 +8,10 @@ from encre.pen.job import Chains
 KIND = {name: 1 << k for k, name in enumerate(abi.CHAIN_KINDS)}
 END = {name: k for k, name in enumerate(abi.CHAIN_ENDS)}
 FAR = 1e9  # a gap behind which nothing is
-LOOK = dict(edge_detector="FINE", line_thickness=2.0, line_softness=0.0, line_gain=1.0, line_intensity=2.0,
-            line_paper=0.0, line_contrast=0.0, line_occlude=False, length_unit="PIXELS", use_shading=False,
-            use_hatching=False, use_smudging=False, width_object=1.0, width_depth=1.0, width_normal=1.0,
-            crease_angle=30.0, crease_smooth=60.0)
+LOOK = dict(edge_detector="FINE", line_thickness=2.0, pen_1_softness=0.0, pen_1_steepness=1.0, pen_1_intensity=2.0,
+            pen_1_grain=0.0, line_contrast=0.0, line_occlude=False, length_unit="PIXELS", use_shading=False,
+            use_hatching=False, use_smudging=False, line_outline_width=1.0, line_inner_width=1.0, line_crease_width=1.0,
+            crease_angle=30.0, crease_angle_smooth=60.0)
 SIZE = 60, 96  # rows, columns
 
 

@@ -68,14 +68,17 @@ def run(layers, scene, styles=(), camera=None, outputs=("Encre Lines", "Combined
 
 # Cases that the tests of sites and of passes share
 
-ALL = dict(crease_angle=20.0, edge_threshold=0.1, edge_color=2.0, edge_light=3.0, edge_material=0.7, edge_seen=2.0)
-STYLES = [{"edge_normal": 2.0, "edge_depth": 0.2}, {"shade_levels": [(0.2,), (0.7, 0.4, 0)], "shade_exposure": 1.2}]
+ALL = dict(crease_angle=20.0, edge_threshold=0.1, line_color_strength=2.0, line_shadow_strength=3.0,
+           line_material_strength=0.7, line_mirror_strength=2.0)
+STYLES = [{"line_crease_strength": 2.0, "line_inner_strength": 0.2}, {"shade_levels": [(0.2,), (0.7, 0.4, 0)],
+                                                                      "shade_exposure": 1.2}]
 ORTHO = Camera(orthographic=True, height=5.0)
 CASES = {  # how shapes() draws it, the scene, styles, camera
     "faces": (dict(seed=0), dict(crease_angle=100.0), (), None),
     "things": (dict(seed=1, things=2), dict(contrast_metric="CIE76", color_layer="LIT", crease_angle=75.0), (), ORTHO),
-    "wires": (dict(seed=2, wires=2, size=(40, 40)), dict(contrast_metric="CIEDE2000", edge_material=0.0), (), None),
-    "mirror": (dict(seed=3, mirror=True), dict(contrast_metric="CMC", contrast_max=0.5, crease_angle=90.0), (), None),
+    "wires": (dict(seed=2, wires=2, size=(40, 40)), dict(contrast_metric="CIEDE2000", line_material_strength=0.0), (),
+              None),
+    "mirror": (dict(seed=3, mirror=True), dict(contrast_metric="CMC", contrast_full=0.5, crease_angle=90.0), (), None),
     "noise": (dict(seed=4, noise=0.02), dict(edge_threshold=0.0, crease_angle=35.0), (), ORTHO),
     "styles": (dict(seed=5, things=1, wires=1, painted=True, styles=2, mirror=True), {}, STYLES, None),
     "dim mirror": (dict(seed=13, mirror=True, noise=0.01), dict(edge_threshold=0.4, crease_angle=70.0), (), ORTHO),
@@ -84,39 +87,51 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
                     shade_levels=[(0.3,), (0.5, 0.68, 0), (0.6, 0.72, 0), (0.8, 0.78, 0), (1.0, 0.83, 0)]), (), None),
     "dim": (dict(seed=6, light=0.02, noise=0.03, things=2, styles=2),
             dict(contrast_metric="CMC", shade_levels=[(0.2,), (0.5, 0.008, 0), (0.8, 0.014, 0), (1.1, 0.02, 0)]),
-            [{"edge_light": 1.0}, {"shade_exposure": 1.3}], None),
-    "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, edge_color=1.0, crease_angle=8.0),
+            [{"line_shadow_strength": 1.0}, {"shade_exposure": 1.3}], None),
+    "near": (dict(seed=21, strong=0.1, things=2, wires=1), dict(edge_threshold=0.15, line_color_strength=1.0,
+                                                                crease_angle=8.0),
              (), None),
-    "inlaid": (dict(seed=93, inlaid=5), dict(edge_color=0.0, edge_material=1.0), (), None),
+    "inlaid": (dict(seed=93, inlaid=5), dict(line_color_strength=0.0, line_material_strength=1.0), (), None),
     "hardly made": (dict(seed=94, inlaid=5, size=(24, 30)),
-                    dict(edge_threshold=0.4, edge_material=0.3, edge_object=0.25, edge_color=0.5), (), None),
+                    dict(edge_threshold=0.4, line_material_strength=0.3, line_outline_strength=0.25,
+                         line_color_strength=0.5), (), None),
     "many edges": (dict(seed=73, bent=90, size=(24, 24), busy=False), dict(crease_angle=30.0), (), None),
-    "edges": (dict(seed=71, things=1, bent=24, mirror=True), dict(edge_color=0.0, edge_bump=0.4), (), None),
+    "edges": (dict(seed=71, things=1, bent=24, mirror=True), dict(line_color_strength=0.0, crease_bumps=0.4), (), None),
     "soft edges": (dict(seed=72, things=2, bent=30, styles=2, size=(44, 60)),
-                   dict(edge_light=0.0, crease_angle=33.0, crease_smooth=45.0, edge_bump=0.6),
-                   [{"crease_angle": 60.0, "edge_bump": 0.0, "edge_color": 0.12},
-                    {"edge_normal": 0.5, "crease_smooth": 20.0, "edge_bump": 0.0, "edge_color": 0.12}], ORTHO),
-    "told": (dict(seed=95, things=2, bent=4, told=40, size=(44, 60)), dict(edge_color=0.0, edge_light=0.0), (), None),
+                   dict(line_shadow_strength=0.0, crease_angle=33.0, crease_angle_smooth=45.0, crease_bumps=0.6),
+                   [{"crease_angle": 60.0, "crease_bumps": 0.0, "line_color_strength": 0.12},
+                    {"line_crease_strength": 0.5, "crease_angle_smooth": 20.0, "crease_bumps": 0.0,
+                     "line_color_strength": 0.12}], ORTHO),
+    "told": (dict(seed=95, things=2, bent=4, told=40, size=(44, 60)), dict(line_color_strength=0.0,
+                                                                           line_shadow_strength=0.0), (), None),
     "hardly told": (dict(seed=96, bent=4, told=50, strong=0.1, styles=2, size=(44, 60), busy=False),
-                    dict(edge_color=0.0, edge_threshold=0.3), [{"edge_depth": 0.2}, {"edge_depth": 2.0}], ORTHO),
-    "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(edge_color=0.0, edge_depth=0.7), (), None),
-    "painted": (dict(seed=91, painted=4, things=1), dict(edge_color=0.0, edge_threshold=0.0), (), None),
+                    dict(line_color_strength=0.0, edge_threshold=0.3), [{"line_inner_strength": 0.2},
+                                                                        {"line_inner_strength": 2.0}], ORTHO),
+    "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(line_color_strength=0.0, line_inner_strength=0.7),
+             (), None),
+    "painted": (dict(seed=91, painted=4, things=1), dict(line_color_strength=0.0, edge_threshold=0.0), (), None),
     "faint rods": (dict(seed=92, wires=4, things=1, strong=0.1, size=(40, 40)), dict(edge_threshold=0.0), (), ORTHO),
-    "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(edge_object=0.0, edge_light=0.0), (), ORTHO),
+    "far rods": (dict(seed=58, wires=3, size=(40, 40), busy=False), dict(line_outline_strength=0.0,
+                                                                         line_shadow_strength=0.0), (), ORTHO),
 }
 WIRES = {  # for the sites of thin things
-    f"wires {k}": (dict(seed=k), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+    f"wires {k}": (dict(seed=k), dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0), (),
+                   (None, ORTHO)[k % 2])
     for k in range(10)} | {
     f"few wires {k}": (dict(seed=30 + k, size=(15 + k % 3, 17), count=2 + k % 2, without=("object",) * (k % 3 == 0)),
-                       dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+                       dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0), (),
+                       (None, ORTHO)[k % 2])
     for k in range(20)} | {
     f"rough wires {k}": (dict(seed=60 + k, size=(16, 20), count=3, noise=0.04),
-                         dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+                         dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0), (),
+                         (None, ORTHO)[k % 2])
     for k in range(4)} | {
     f"told wires {k}": (dict(seed=81 + k, size=(36, 40), count=3, between=True, noise=0.02 * (k % 3 == 2)),
-                        dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (), (None, ORTHO)[k % 2])
+                        dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0), (),
+                        (None, ORTHO)[k % 2])
     for k in range(6)} | {
-    "wires that end": (dict(seed=5517, size=(37, 19)), dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0), (),
+    "wires that end": (dict(seed=5517, size=(37, 19)), dict(line_color_strength=0.0, line_shadow_strength=0.0,
+                                                            line_crease_strength=0.0), (),
                        ORTHO)}
 
 
@@ -144,7 +159,7 @@ LIGHTS = {  # rows of all lengths
                    (), None)
     for k, size in enumerate(((1, 80), (3, 67), (9, 33), (5, 32), (4, 31), (12, 64), (7, 100), (40, 5)))}
 SWEEPS = {  # what grows past each bound
-    "sweep": (dict(seed=7), dict(edge_threshold=0.0, contrast_threshold=0.0, edge_light=0.0), (), None)}
+    "sweep": (dict(seed=7), dict(edge_threshold=0.0, contrast_threshold=0.0, line_shadow_strength=0.0), (), None)}
 SIZES = ((1, 1), (1, 2), (2, 1), (1, 17), (17, 1), (2, 33), (33, 2), (3, 15), (15, 3), (4, 16), (16, 4), (5, 31),
          (7, 32), (9, 49), (12, 24), (15, 24), (17, 20), (10, 65))  # less than a window, and about spans
 
@@ -163,9 +178,11 @@ def _cut(k):
 
 CUTS = {f"cut {k}": _cut(k) for k in range(30)}  # the small ones twice
 ROWS = {  # the border of what is painted; a line whose first site is the first of all; below the first row
-    "stroke": (dict(seed=107, hand=1, busy=False, size=(20, 24)), dict(edge_light=0.0, edge_color=0.0), (), None),
+    "stroke": (dict(seed=107, hand=1, busy=False, size=(20, 24)), dict(line_shadow_strength=0.0,
+                                                                       line_color_strength=0.0), (), None),
     "painted rows": (dict(seed=99, painted=-3, noise=0.2, size=(16, 24)),
-                     dict(edge_color=0.0, edge_light=0.0, edge_normal=0.0, edge_threshold=0.0), (), None),
+                     dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0,
+                          edge_threshold=0.0), (), None),
     "low": (dict(seed=4081, size=(3, 22), things=2, mirror=True), dict(edge_threshold=0.0), (), None),
     "lower": (dict(seed=4129, size=(4, 16), things=2, mirror=True), dict(edge_threshold=0.0), (), None)}
 MORE = {  # for the passes alone: many lines beside one another
@@ -173,38 +190,43 @@ MORE = {  # for the passes alone: many lines beside one another
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
     for k in range(5)} | {
     f"strokes {k}": (dict(seed=120 + k, hand=26, size=(44, 60), strong=(1.0, 0.1)[k % 2], mirror=k == 3),
-                     dict(edge_light=0.0, edge_seen=1.0, edge_color=1.0, color_layer=("LIT", "ALBEDO")[k % 2]), (),
+                     dict(line_shadow_strength=0.0, line_mirror_strength=1.0, line_color_strength=1.0,
+                          color_layer=("LIT", "ALBEDO")[k % 2]), (),
                      None)
     for k in range(4)} | {  # thin things whose lines have px
     f"slender {k}": (dict(seed=140 + k, things=2, wires=2 + k % 2, told=30 * (k % 2), size=(40, 56), busy=False),
-                     dict(edge_color=0.0, edge_light=0.0, length_unit="PIXELS"), (), (None, ORTHO)[k // 3])
+                     dict(line_color_strength=0.0, line_shadow_strength=0.0, length_unit="PIXELS"), (),
+                     (None, ORTHO)[k // 3])
     for k in range(6)} | {  # frames of 1.7 px, and of more than count
     f"large {k}": (dict(seed=160 + k, things=1, noise=0.01, size=(40, 56)),
                    dict(length_unit="MM", page_height=(23.0, 2.0)[k % 2], edge_threshold=0.05), (), None)
     for k in range(4)} | {
     f"specks {k}": (dict(seed=180 + k, specks=14, bent=3 * (k < 3), size=(44, 60), busy=False),
-                    dict(edge_color=0.0, edge_light=0.0), (), None)
+                    dict(line_color_strength=0.0, line_shadow_strength=0.0), (), None)
     for k in range(4)} | {
     f"joints {k}": (dict(seed=190 + k, joints=True, size=(44, 60), busy=False),
-                    dict(edge_color=1.0, edge_light=0.0, contrast_threshold=0.0, edge_threshold=0.09), (), None)
+                    dict(line_color_strength=1.0, line_shadow_strength=0.0, contrast_threshold=0.0,
+                         edge_threshold=0.09), (), None)
     for k in range(3)}
 
-FORM = dict(edge_color=0.0, edge_light=0.0, edge_normal=1.0, edge_suggestive=1.0, length_unit="PIXELS",
-            suggestive_scale=2.0, suggestive_length=20.0, crease_angle=50.0)
+FORM = dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=1.0, line_suggestive_strength=1.0,
+            length_unit="PIXELS",
+            suggestive_size=2.0, line_suggestive_shortest=20.0, crease_angle=50.0)
 TURNED = Camera(view=(0.8, 0.6, 0, -0.48, 0.64, 0.6, 0.36, -0.48, 0.8))
 FORMS = {  # smooth hills with valleys between
     "form": (dict(seed=1), {}, (), None),
-    "steep forms": (dict(seed=2, steep=3.0, bumps=12, size=(44, 60)), dict(suggestive_scale=1.5), (), ORTHO),
-    "wide forms": (dict(seed=3, size=(60, 70)), dict(suggestive_scale=5.5), (), None),
-    "finest forms": (dict(seed=12, steep=2.0, bumps=12), dict(suggestive_scale=1.0), (), None),
+    "steep forms": (dict(seed=2, steep=3.0, bumps=12, size=(44, 60)), dict(suggestive_size=1.5), (), ORTHO),
+    "wide forms": (dict(seed=3, size=(60, 70)), dict(suggestive_size=5.5), (), None),
+    "finest forms": (dict(seed=12, steep=2.0, bumps=12), dict(suggestive_size=1.0), (), None),
     "things on forms": (dict(seed=4, things=3, wires=1, bumps=9), {}, (), None),
-    "edges on forms": (dict(seed=5, bent=9, bumps=9, size=(44, 60)), dict(crease_smooth=70.0), (), None),
+    "edges on forms": (dict(seed=5, bent=9, bumps=9, size=(44, 60)), dict(crease_angle_smooth=70.0), (), None),
     "many edges on forms": (dict(seed=26, bent=45, bumps=9), {}, (), None),
-    "styles on forms": (dict(seed=7, styles=2, bumps=12, painted=3, size=(44, 60)), dict(edge_suggestive=0.7),
-                        [dict(edge_suggestive=3.0, suggestive_length=5.0), dict(edge_suggestive=0.2)], None),
+    "styles on forms": (dict(seed=7, styles=2, bumps=12, painted=3, size=(44, 60)), dict(line_suggestive_strength=0.7),
+                        [dict(line_suggestive_strength=3.0, line_suggestive_shortest=5.0),
+                         dict(line_suggestive_strength=0.2)], None),
     "lengths of forms": (dict(seed=901, styles=2, bumps=12, size=(44, 60)), {},
-                         [dict(suggestive_length=90.0), dict(suggestive_length=4.0)], None),
-    "rough forms": (dict(seed=8, rough=0.05, bumps=9, size=(44, 60)), dict(suggestive_scale=4.0), (), None),
+                         [dict(line_suggestive_shortest=90.0), dict(line_suggestive_shortest=4.0)], None),
+    "rough forms": (dict(seed=8, rough=0.05, bumps=9, size=(44, 60)), dict(suggestive_size=4.0), (), None),
     "rougher forms": (dict(seed=9, rough=0.3), dict(edge_threshold=0.0, crease_angle=100.0), (), ORTHO),
     "turned forms": (dict(seed=10, bumps=12), dict(edge_threshold=0.5), (), TURNED),
     "forms in glass": (dict(seed=11, mirror=True, bumps=9), {}, (), None)} | {
@@ -218,8 +240,8 @@ FORMS = {  # smooth hills with valleys between
 
 EVERY = {**FORMS, **CASES, **TINY, **MORE, **WIRES, **LIGHTS, **SWEEPS, **CUTS, **ROWS}
 TANGLES = {  # for the passes after smoothing: chains by chance in the place of those that are found
-    f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2], light_length=15.0 * (k % 3),
-                         color_length=40.0 * (k % 2), seen_length=15.0 * (k % 2))) for k in range(22)}
+    f"tangle {k}": (k, dict(color_layer=("ALBEDO", "LIT")[k % 2], line_shadow_shortest=15.0 * (k % 3),
+                         line_color_shortest=40.0 * (k % 2), line_mirror_shortest=15.0 * (k % 2))) for k in range(22)}
 
 
 @dataclass

@@ -18,15 +18,18 @@ ROOT = Path(__file__).resolve().parents[2]
 SIZE, PEN_CELL, TONE_CELL = (1920, 1080), (480, 300), (276, 190)
 SCENES = {"street": (1150, 190), "dancer": (840, 300), "terrain": (782, 508)}  # and where a cell's corner lies
 PENS = {
-    "technical": dict(line_thickness=5, line_taper=0),
-    "brush": dict(line_thickness=12, pen_pressure=0.45, pen_wobble=0.9, pen_rough=0.45, line_taper=40, pen_pool=0.5),
-    "pencil": dict(line_thickness=6, pen_pressure=0.2, pen_pressure_length=72, pen_wobble=1.1, pen_wobble_length=80,
-                   pen_rough=0.9, pen_rough_length=6.6, pen_strokes=2, line_color="#444444"),
-    "marker": dict(line_thickness=15, pen_pressure=0.07, pen_dry=0.75),
-    "gaps": dict(line_thickness=8, pen_gaps=0.25),
-    "dashes": dict(line_thickness=6, pen_dash=26, pen_dash_space=9),
-    "overshoot": dict(line_thickness=6, pen_overshoot=30, pen_strokes=2, pen_wobble=1.2),
-    "strip": dict(line_thickness=16, pen_strip=1, pen_strip_image=ROOT / "docs/pen_chalk.png", pen_strip_length=250),
+    "technical": dict(line_thickness=5, pen_1_taper=0),
+    "brush": dict(line_thickness=12, pen_1_pressure=0.45, pen_1_wobble=0.9, pen_1_rough=0.45, pen_1_taper=40,
+                  pen_1_pool=0.5),
+    "pencil": dict(line_thickness=6, pen_1_pressure=0.2, pen_1_pressure_length=72, pen_1_wobble=1.1,
+                   pen_1_wobble_length=80,
+                   pen_1_rough=0.9, pen_1_rough_length=6.6, pen_1_strokes=2, ink_color="#444444"),
+    "marker": dict(line_thickness=15, pen_1_pressure=0.07, pen_1_dry=0.75),
+    "gaps": dict(line_thickness=8, pen_1_gaps=0.25),
+    "dashes": dict(line_thickness=6, pen_1_dash=26, pen_1_dash_space=9),
+    "overshoot": dict(line_thickness=6, pen_1_overshoot=30, pen_1_strokes=2, pen_1_wobble=1.2),
+    "strip": dict(line_thickness=16, pen_1_strip=1, pen_1_strip_image=ROOT / "docs/pen_chalk.png",
+                  pen_1_strip_length=250),
 }
 TONES = ("DOTS", "LINES", "CROSS", "HATCH", "STIPPLE", "IMAGE", "GRAIN", "SOLID")
 SPACES = {"SCREEN": 9, "SURFACE": 9, "OBJECT": None, "FLAT": 9}
@@ -58,7 +61,7 @@ def tone(kind, space, scene):
            "_image": ROOT / "docs/tones_tile.png"}
     values = {f"tone_{n}{what}": value for n in (1, 2, 3) for what, value in own.items()
               if what != "_image" or kind == "IMAGE"}
-    return dict(values, use_tones="on", tone_4="NONE", shade_levels=LEVELS, edge_light=0, line_thickness=5,
+    return dict(values, use_tones="on", tone_4="NONE", shade_levels=LEVELS, line_shadow_strength=0, line_thickness=5,
                 shade_exposure=EXPOSURE[scene])
 
 
@@ -75,7 +78,7 @@ def main():
     folder.mkdir(exist_ok=True)
     for scene in SCENES:
         encre("render", ROOT / f"scenes/{scene}.py", "-o", folder / f"{scene}.exr", "--size", "{}x{}".format(*SIZE),
-              "--preset", "ink_only", "--set", "layer_source=ENCRE", "--set", "save_anchor=ON")
+              "--preset", "ink_only", "--set", "layer_source=ENCRE", "--set", "save_rest=ON")
     written([[restyled(folder, scene, pen, PEN_CELL) for pen in list(PENS.values())[half:half + 4]]
              for half in (0, 4) for scene in SCENES], folder / "pens_sheet.jpg")
     written([[restyled(folder, scene, tone(kind, space, scene), TONE_CELL) for kind in TONES]

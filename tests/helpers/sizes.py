@@ -78,7 +78,7 @@ def rendered(folder, scene):
     for size, frame in frames.items():
         subprocess.run([sys.executable, "-m", "encre", "render", scene, "-o", frame, "--preset", "ink_only", "--resume",
                         "--size", f"{WIDE * size // 100}x{TALL * size // 100}", "--set", "layer_source=ENCRE",
-                        "--set", "save_layers=ON", "--set", "save_anchor=ON"], check=True)
+                        "--set", "save_layers=ON", "--set", "save_rest=ON"], check=True)
     for name in relative():
         ink = {}
         for size, frame in frames.items():

@@ -35,9 +35,10 @@ EVERY = 0.006    # metres between points on an edge
 NEAR = 0.004     # share of its depth by which the depth layer may differ where a point is visible
 STILL = 12       # the frame that is shown
 # Lines as wide as the other two draw them, one pixel in so small a frame, and of even strength.
-INK = dict(line_thickness=3.0, line_softness=0.0, line_gain=0.5, line_intensity=2.0, line_contrast=0.0, line_paper=0.0,
-           edge_threshold=0.3, use_shading=False, use_smudging=False, use_hatching=False, width_depth=1.0,
-           width_normal=1.0, save_layers="OFF")
+INK = dict(line_thickness=3.0, pen_1_softness=0.0, pen_1_steepness=0.5, pen_1_intensity=2.0, line_contrast=0.0,
+           pen_1_grain=0.0,
+           edge_threshold=0.3, use_shading=False, use_smudging=False, use_hatching=False, line_inner_width=1.0,
+           line_crease_width=1.0, save_layers="OFF")
 NAMES = {"fine": "Encre, FINE", "dog": "Encre, DOG", "freestyle": "Freestyle", "line_art": "Line Art"}
 
 PAGE = """# Do the lines stand still?

@@ -95,7 +95,7 @@ def about(surface, spot):
 
 
 def baked(surface, texture, uniform):
-    settings = dict(line_thickness=THICKNESS, contrast_max=library.bake(texture, draw=False).greatest)
+    settings = dict(line_thickness=THICKNESS, contrast_full=library.bake(texture, draw=False).greatest)
     form = unwrap.form(mesh(surface), WIDTH, HEIGHT) if uniform else None
     return library.bake(texture, settings, form, wrap=(True, False)).texture
 

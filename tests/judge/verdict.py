@@ -12,11 +12,12 @@ from . import measure, thin
 from .scenes import sphere
 
 PARAMS = {
-    "edge_threshold": 0.3, "edge_color": 3.0, "edge_light": 4.0, "edge_material": 0.0, "crease_angle": 20.0,
-    "line_softness": 0.0, "line_gain": 0.5, "line_intensity": 2.0,
-    "line_thickness": 1.0, "line_contrast": 0.0, "line_paper": 0.0, "line_occlude": False,
+    "edge_threshold": 0.3, "line_color_strength": 3.0, "line_shadow_strength": 4.0, "line_material_strength": 0.0,
+    "crease_angle": 20.0,
+    "pen_1_softness": 0.0, "pen_1_steepness": 0.5, "pen_1_intensity": 2.0,
+    "line_thickness": 1.0, "line_contrast": 0.0, "pen_1_grain": 0.0, "line_occlude": False,
     "length_unit": "PIXELS", "use_shading": False, "use_smudging": False, "use_hatching": False,
-    **{"width_" + name: 1.0 for name in ("object", "material", "depth", "normal", "color", "light")},
+    **{f"line_{kind}_width": 1.0 for kind in ("outline", "material", "inner", "crease", "color", "shadow")},
 }
 # promise: (least, most)
 LIMITS = {
@@ -85,7 +86,7 @@ def fair(draw, scene, layers):
 def calm(draw, scene, filter="box"):
     """Stray ink under noise, the light's boundaries off: those need clean light."""
     layers = scene.layers(filter, noise=1.0)
-    t = draw(layers, scene.camera_settings, **PARAMS | {"edge_light": 0.0})
+    t = draw(layers, scene.camera_settings, **PARAMS | {"line_shadow_strength": 0.0})
     return {"calm": measure.stray(t, scene.truth)}
 
 

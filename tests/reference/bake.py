@@ -25,8 +25,8 @@ def contrast(texture, linear, wrap, kind):
 
 
 def strength(difference, params, wrap):
-    least, full = params["contrast_threshold"], np.full(difference.shape, params["contrast_max"])
-    if params["contrast_auto"]:
+    least, full = params["contrast_threshold"], np.full(difference.shape, params["contrast_full"])
+    if params["contrast_local"]:
         reach = int(params["contrast_window"] / 2)
         full = difference
         for axis, n, tiles in ((1, difference.shape[1], wrap[0]), (0, difference.shape[0], wrap[1])):

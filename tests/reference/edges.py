@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import grid, metric, shade
+from .params import strength as strength_of
+from .params import width
 
 # In the order in which the first of equals gives the line its width.
 SOURCES = ("object", "material", "depth", "normal", "color", "light", "mark")
@@ -50,7 +52,7 @@ def find(layers, params):
     }
     owner = nearest_depth(layers.depth)
     style = layers.style[owner]
-    weights = {name: params.at("edge_" + name, style) for name in SOURCES}
+    weights = {name: params.at(strength_of(name), style) for name in SOURCES}
     weights["color"] = np.maximum(0.0, weights["color"] + layers.controls["color_edge"])
 
     weighted = np.array([weights[name] * sources[name].strength for name in SOURCES])
@@ -66,7 +68,7 @@ def find(layers, params):
     quiet = (signed == 0).all(axis=0)
     jumpy = np.any([(weights[name] > 0) & sources[name].doubtful for name in SOURCES], axis=0)
     near = (np.abs(signed.max(axis=0) - threshold) <= tolerance) & ~quiet
-    widths = np.array([params.at("width_" + name, style) for name in SOURCES])
+    widths = np.array([params.at(width(name), style) for name in SOURCES])
     return Edges(
         strength, mask, source, {name: sources[name].strength for name in SOURCES},
         owner, layers.depth[owner],
@@ -129,7 +131,7 @@ def gaussian(sigma, radius):
 
 
 def _sigma(params):
-    sigma = min(4.0, max(0.5, params["edge_sigma"]))
+    sigma = min(4.0, max(0.5, params["edge_blur"]))
     return sigma, int(np.ceil(2 * sigma))
 
 
@@ -204,7 +206,7 @@ def _normal(layers, params):
         return Source(50 * np.sign(peak) * np.abs(peak) ** 1.5)
     at = _reader(0.5 + 0.5 * layers.normal)
     response = 0.1 * _slope(at, (-1, 0, 1)).sum(axis=-1)
-    least = params["sobel_shape_threshold"]
+    least = params["sobel_crease_threshold"]
     doubtful = (np.abs(response - least) < 1e-4) & (least > 0)
     return Source(np.where(response < least, 0.0, response), doubtful=doubtful)
 
@@ -221,7 +223,7 @@ def _light(layers, params):
     grey = metric.encode(np.repeat(level[..., None], 3, axis=-1))
     source = _color(grey, layers, params)
     reach = 1 if _by_contrast(params) else _sigma(params)[1]
-    if _by_contrast(params) and params["contrast_auto"]:
+    if _by_contrast(params) and params["contrast_local"]:
         reach += _auto_radius(layers, params)
     source.doubtful = source.doubtful | grid.most(doubtful, reach)
     return source
@@ -247,8 +249,8 @@ def _contrast(encoded, layers, params):
     kind, least = params["contrast_metric"], params["contrast_threshold"]
     ends = [(grid.read(encoded, dy, dx), grid.read(encoded, -dy, -dx)) for dy, dx in _PAIRS]
     deltas = np.array([metric.difference(kind, *pair) for pair in ends])
-    full = np.full(encoded.shape[:2], float(params["contrast_max"]))
-    if params["contrast_auto"]:
+    full = np.full(encoded.shape[:2], float(params["contrast_full"]))
+    if params["contrast_local"]:
         full = np.maximum(0.25, grid.most(deltas.max(axis=0), _auto_radius(layers, params)))
     ramp = full - least
     share = np.where(ramp > 0, (deltas - least) / np.where(ramp > 0, ramp, 1.0), np.inf)
@@ -257,7 +259,7 @@ def _contrast(encoded, layers, params):
     steep = (ramp < 0.02) & (np.abs(deltas - least) < 1e-4 + np.maximum(ramp, 0.0))
     jumps = np.array([metric.jumps(kind, *pair) for pair in ends]) & (deltas > least - 1e-3)
     doubtful = (steep | jumps).any(axis=0)
-    if params["contrast_auto"]:  # the window's largest may be another
+    if params["contrast_local"]:  # the window's largest may be another
         unsteady = grid.most(np.where(jumps, deltas, 0.0).max(axis=0), _auto_radius(layers, params))
         doubtful |= (unsteady > 0) & (unsteady >= (1 - metric.JUMP[kind]) * full)
     return Source(response, limit=1.0, doubtful=doubtful)

@@ -11,7 +11,7 @@ FLANK = 1.5  # of the blur's deviation
 
 
 def _sigma(view):
-    return float(np.clip(view.params["suggestive_scale"] * view.params.pixels(view.layers.full_height), 1.5, 64))
+    return float(np.clip(view.params["suggestive_size"] * view.params.pixels(view.layers.full_height), 1.5, 64))
 
 
 def _hollow(view, row, column, axis):
@@ -240,7 +240,7 @@ def _ease_edges(t, params, style, number, scale, share):
     have the place. number: of objects."""
     of = number[t.site["near_y"], t.site["near_x"]]
     edge = (t.family == NUMBER["crease"]) & ~(t.dropped & (t.site["weak"] > 0))
-    full = 2 * params.at("line_min_length", style[t.site["near_y"], t.site["near_x"]]) * scale
+    full = 2 * params.at("line_shortest", style[t.site["near_y"], t.site["near_x"]]) * scale
     known = set()
     for first in np.flatnonzero(edge & ~t.dropped):
         if first in known:

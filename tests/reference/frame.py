@@ -88,7 +88,7 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
         full, dark = params["meter_light"], params["meter_shade"]
     if params["shade_meter"] != "SCENE" and full > 0:
         layers.meter = full, dark
-    line_paper, hatch_paper = paper.heights(layers, params)
+    pen_1_grain, hatch_paper = paper.heights(layers, params)
     edges = edge_stage.find(layers, params)
     surface, light, doubtful = shade.surface(layers, params)
     surface = example.paint(layers, params, surface)
@@ -103,7 +103,7 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     active = np.any([params.at(switch, layers.style) for switch in SWITCHES], axis=0)[..., None]
     fade = np.where(active, params["surface_fade"], 0.0)
     rgb = rgb + (alpha - rgb) * fade
-    t, ink, line_doubtful = lines.draw(layers, params, edges, line_paper)
+    t, ink, line_doubtful = lines.draw(layers, params, edges, pen_1_grain)
     t = t[..., None]
     drawn = np.concatenate([rgb * (1 - t) + ink * t, alpha + t - alpha * t], axis=-1)
     line_ink = np.concatenate([ink * t, t], axis=-1)

@@ -10,7 +10,7 @@ from .passes import COLUMN, CRACKS, FAMILIES, NUMBER, ROW, hits, told_by
 from .shade import exposed
 from .turns import onward
 
-KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark")
+KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "shadow", "mirror", "mark")
 WIDTHS = {"outline": "object", "contact": "object", "inner": "depth", "crease": "normal", "intersection": "normal"}
 PRESSURE, ACROSS, DOWN, ROUGH, GAPS, FLOW, BRISTLE = range(7)
 FARTHER = BRISTLE + 8
@@ -113,16 +113,16 @@ class Hand:
             between = hits(t, i) if t.family[i] == NUMBER["thin"] else []
             if (spot := _between(layers, t, between) if between else _spot(layers, t, i)) is not None:
                 self.p[i], self.unit[i] = spot[:3], spot[6] * self.scale
-        named = np.array([params.at("line_pen_" + kind, self.style) for kind in KINDS])
+        named = np.array([params.at(f"line_{kind}_pen", self.style) for kind in KINDS])
         self.whose = named[kinds(t, layers), np.arange(len(t))]
         self.drawn = stroke < self.at("strokes")
         hold = self.at("hold")
         turn = layers.number // np.where(hold > 0, hold, 1)
         self.again = np.where(hold > 0, (turn * 0x9e3779b1) % 2**32 | 1, 0)
 
-    def at(self, name, first=None):
-        """Of each site's pen; `first`: what the tool of the first pen is, instead of a row of its own."""
-        own = self.params.at("pen_" + name, self.style) if first is None else first
+    def at(self, name):
+        """Of each site's pen."""
+        own = self.params.at("pen_1_" + name, self.style)
         for pen in ("pen_2", "pen_3"):
             own = np.where(self.whose == pen.upper(), self.params.at(f"{pen}_{name}", self.style), own)
         return own
@@ -218,7 +218,7 @@ def kinds(t, layers):
             if site["axis"] < 2:
                 place, bend = layers.creases[site["row"], site["column"], 2 * site["axis"]:2 * site["axis"] + 2]
                 name = "intersection" if place and abs(bend) in (180, 540) else name
-        out[i] = KINDS.index(name)
+        out[i] = KINDS.index({"light": "shadow", "seen": "mirror"}.get(name, name))
     outline, shapes = KINDS.index("outline"), out.copy()
     for i, told in enumerate(told_by(t)):
         if shapes[i] == KINDS.index("contact"):
@@ -281,13 +281,13 @@ def inks(t, layers, params, ink, half, picture):
     site = t.site
     owner = site["near_y"], site["near_x"]
     style = layers.style[owner]
-    own = np.array([np.array([params.at("line_color_" + name, style)[i] for name in KINDS])[k]
+    own = np.array([np.array([params.at(f"line_{name}_ink", style)[i] for name in KINDS])[k]
                     for i, k in enumerate(kinds(t, layers))]).reshape(-1, 3)
-    tint = params.at("line_tint", style)[:, None]
-    tinted = mix(own, params.at("line_tint_value", style)[:, None] * layers.color[owner], tint)
-    ink = np.where(params.at("line_color_by_kind", style)[:, None], tinted, ink)
+    tint = params.at("ink_tint", style)[:, None]
+    tinted = mix(own, params.at("ink_tint_value", style)[:, None] * layers.color[owner], tint)
+    ink = np.where(params.at("ink_by_kind", style)[:, None], tinted, ink)
     lit = clamp01(exposed(layers, params)[owner])
-    ink = mix(ink, params.at("line_lit_color", style), (params.at("line_lit", style) * lit)[:, None])
+    ink = mix(ink, params.at("ink_light_color", style), (params.at("ink_in_light", style) * lit)[:, None])
     share = params.at("ink_on_dark", style)
     unit = params.pixels(layers.full_height)
     even, second = _second(t, _dark(t, layers, params, half, picture), half, unit)

@@ -6,6 +6,7 @@ import numpy as np
 from . import grid
 from .edges import SOURCES
 from .metric import clamp01, mix
+from .params import width as width_of
 from .shade import exposed
 
 
@@ -18,26 +19,26 @@ class Pen:
         controls = {name: layers.controls[name][owner] for name in ("thickness", "intensity")}
         self.layers, self.z, self.paper = layers, edges.z, paper
         self.occlude = params["line_occlude"]
-        self.softness = params.at("line_softness", style)
-        self.roughness = params.at("line_paper", style)
+        self.softness = params.at("pen_1_softness", style)
+        self.roughness = params.at("pen_1_grain", style)
         self.pressed = 1 + controls["intensity"]
-        self.intensity = params.at("line_intensity", style)
+        self.intensity = params.at("pen_1_intensity", style)
         self.strength = self.pressed * self.intensity
-        self.gain = params.at("line_gain", style) * params.at("use_lines", style)
+        self.gain = params.at("pen_1_steepness", style) * params.at("use_lines", style)
 
         c = controls["thickness"]
         lit = clamp01(exposed(layers, params)[owner])
-        heavier = np.maximum(0.0, 1 + params.at("line_light", style) * (1 - 2 * lit))
-        distance = params.at("line_depth_distance", style)
+        heavier = np.maximum(0.0, 1 + params.at("ink_in_shade", style) * (1 - 2 * lit))
+        distance = params.at("line_far_distance", style)
         if layers.distance > 0:
-            distance = distance * np.where(params.at("line_depth_unit", style) == "RELATIVE", layers.distance, 1.0)
+            distance = distance * np.where(params.at("line_far_unit", style) == "RELATIVE", layers.distance, 1.0)
         changes = np.zeros(np.shape(distance), bool) if layers.orthographic else distance > 0
-        nearer = np.where(changes, np.minimum(distance / edges.z, params.at("line_depth_most", style)), 1.0)
-        least = np.where(changes, 0.5 * unit * params.at("line_depth_least", style), 0.0)
-        widths = np.array([params.at("width_" + name, style) for name in (*SOURCES, "seen")])
+        nearer = np.where(changes, np.minimum(distance / edges.z, params.at("line_far_thickest", style)), 1.0)
+        least = np.where(changes, 0.5 * unit * params.at("line_far_thinnest", style), 0.0)
+        widths = np.array([params.at(width_of(name), style) for name in (*SOURCES, "seen")])
         width = np.take_along_axis(widths, np.maximum(edges.source, 0)[None], 0)[0]
         contrast = mix(1.0, np.minimum(1.0, edges.strength), params.at("line_contrast", style))
-        most = 0.5 * params["line_max_thickness"] * unit
+        most = 0.5 * params["line_thickest"] * unit
 
         half = (0.5 * unit * params.at("line_thickness", style) * np.where(c > 0, 1 + 8 * c, 1 + c)
                 * heavier)
@@ -46,9 +47,9 @@ class Pen:
         self.radius = np.minimum(most, np.maximum(there * nearer, np.where(outline, np.minimum(least, there), 0)))
         self.reach = np.minimum(most, half * widths.max(axis=0) * np.maximum(nearer, 1))  # whatever strength and source
 
-        value_ = params.at("line_tint_value", style)[..., None]
-        tint = params.at("line_tint", style)[..., None]
-        self.ink = mix(params.at("line_color", style), value_ * layers.color[owner], tint)
+        value_ = params.at("ink_tint_value", style)[..., None]
+        tint = params.at("ink_tint", style)[..., None]
+        self.ink = mix(params.at("ink_color", style), value_ * layers.color[owner], tint)
 
     def raw(self, p, e, radius=None):
         """T of the pixels p by the edge pixels e, (rows, columns) each, before its clamp to 1; and where

@@ -3,41 +3,57 @@
 
 import numpy as np
 
+# What settings call the lines of a source.
+CALLED = {"object": "outline", "depth": "inner", "normal": "crease", "material": "material", "color": "color",
+          "light": "shadow", "mark": "mark", "seen": "mirror", "suggestive": "suggestive"}
+KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "shadow", "mirror", "mark",
+         "suggestive")
+
+
+def strength(source):
+    """The setting of the strength of a source's lines."""
+    return f"line_{CALLED[source]}_strength"
+
+
+def width(source):
+    """That of their width."""
+    return f"line_{CALLED[source]}_width"
+
+
 DEFAULTS = {
     # edges
     "edge_detector": "DOG", "depth_space": "INVERSE", "color_detector": "CONTRAST", "color_layer": "ALBEDO",
-    "edge_threshold": 0.5, "edge_sigma": 1.0, "depth_near": 0.1, "depth_far": 100.0,
-    "edge_depth": 1.0, "edge_normal": 1.0, "edge_object": 1.0, "edge_material": 0.0, "edge_color": 0.0,
-    "edge_seen": 1.0, "edge_light": 0.0, "edge_mark": 1.0, "edge_pieces": False, "edge_suggestive": 0.0,
-    "suggestive_scale": 6.0, "suggestive_length": 48.0, "light_length": 0.0, "color_length": 0.0, "seen_length": 0.0,
-    "sobel_shape_threshold": 0.25,
-    "crease_angle": 32.0, "crease_smooth": 60.0, "crease_source": "AUTO", "edge_bump": 0.0,
-    "contrast_metric": "RGB", "contrast_threshold": 0.01, "contrast_max": 1.0,
-    "contrast_auto": False, "contrast_window": 64.0,
+    "edge_threshold": 0.5, "edge_blur": 1.0, "depth_near": 0.1, "depth_far": 100.0,
+    "line_inner_strength": 1.0, "line_crease_strength": 1.0, "line_outline_strength": 1.0,
+    "line_material_strength": 0.0, "line_color_strength": 0.0, "line_mirror_strength": 1.0,
+    "line_shadow_strength": 0.0, "line_mark_strength": 1.0, "line_suggestive_strength": 0.0, "flush_pieces": False,
+    "suggestive_size": 6.0, "line_suggestive_shortest": 48.0, "line_shadow_shortest": 0.0,
+    "line_color_shortest": 0.0, "line_mirror_shortest": 0.0,
+    "sobel_crease_threshold": 0.25,
+    "crease_angle": 32.0, "crease_angle_smooth": 60.0, "crease_source": "AUTO", "crease_bumps": 0.0,
+    "contrast_metric": "RGB", "contrast_threshold": 0.01, "contrast_full": 1.0,
+    "contrast_local": False, "contrast_window": 64.0,
     # lines
-    "use_lines": True, "line_thickness": 8.0, "line_max_thickness": 128.0, "line_contrast": 0.0,
-    "width_object": 1.0, "width_material": 1.0, "width_depth": 0.8, "width_normal": 0.6, "width_color": 0.6,
-    "width_light": 0.5, "width_seen": 1.0, "width_mark": 1.0, "width_suggestive": 0.6, "line_depth_distance": 0.0,
-    "line_depth_unit": "RELATIVE", "line_depth_most": 4.0, "line_depth_least": 0.0,
-    "line_light": 0.0, "line_taper": 0.0, "line_min_length": 12.0, "line_smooth": 2.0, "line_gap": 0.0,
-    "line_halo": 0.0, "line_halo_color": (1.0, 1.0, 1.0), "width_outer": 1.0,
-    "line_softness": 0.9, "line_occlude": True, "line_paper": 0.6, "line_intensity": 1.0, "line_gain": 4.0,
-    "line_search": "EXACT", "line_density": 1.0, "line_fewer": 0.0, "line_color": (0.0, 0.0, 0.0), "line_tint": 0.0,
-    "line_tint_value": 0.35, "width_contact": 1.0, "width_intersection": 1.0,
-    **{pen + name: value for pen in ("pen_", "pen_2_", "pen_3_") for name, value in {
+    "use_lines": True, "line_thickness": 8.0, "line_thickest": 128.0, "line_contrast": 0.0,
+    "line_outline_width": 1.0, "line_material_width": 1.0, "line_inner_width": 0.8, "line_crease_width": 0.6,
+    "line_color_width": 0.6, "line_shadow_width": 0.5, "line_mirror_width": 1.0, "line_mark_width": 1.0,
+    "line_suggestive_width": 0.6, "line_far_distance": 0.0,
+    "line_far_unit": "RELATIVE", "line_far_thickest": 4.0, "line_far_thinnest": 0.0,
+    "ink_in_shade": 0.0, "line_shortest": 12.0, "line_smooth": 2.0, "line_gap": 0.0,
+    "line_halo": 0.0, "line_halo_color": (1.0, 1.0, 1.0), "line_outer_width": 1.0, "line_occlude": True,
+    "line_search": "EXACT", "line_density": 1.0, "line_fewer": 0.0, "ink_color": (0.0, 0.0, 0.0), "ink_tint": 0.0,
+    "ink_tint_value": 0.35, "line_contact_width": 1.0, "line_intersection_width": 1.0,
+    **{pen + name: value for pen in ("pen_1_", "pen_2_", "pen_3_") for name, value in {
         "pressure": 0.0, "pressure_length": 210.0, "curve": 0.0, "wobble": 0.0, "wobble_length": 135.0,
         "rough": 0.0, "rough_length": 12.0, "gaps": 0.0, "gaps_length": 90.0,
         "dry": 0.0, "dry_length": 33.0, "bristles": 6, "strokes": 1, "seed": 0, "hold": 0, "boil": 1.0,
         "strip": 0.0, "strip_length": 300.0, "dash": 0.0, "dash_space": 10.0, "overshoot": 0.0, "overshoot_color": 1.0,
-        "pool": 0.0}.items()},
-    **{pen + name: value for pen in ("pen_2_", "pen_3_") for name, value in {
-        "width": 1.0, "taper": 0.0, "softness": 0.9, "intensity": 1.0, "gain": 4.0, "paper": 0.6}.items()},
+        "pool": 0.0, "width": 1.0, "taper": 0.0, "softness": 0.9, "intensity": 1.0, "steepness": 4.0,
+        "grain": 0.6}.items()},
     "ink_on_dark": 0.0, "ink_dark_color": (1.0, 1.0, 1.0), "ink_dark_threshold": 0.03, "ink_dark_width": 1.0,
     "ink_dark_colors": 1.0,
-    "line_lit": 0.0, "line_lit_color": (0.5, 0.25, 0.1), "line_color_by_kind": False,
-    **{"line_" + what + kind: value for what, value in (("color_", (0.0, 0.0, 0.0)), ("pen_", "PEN")) for kind in
-       ("outline", "contact", "inner", "crease", "intersection", "material", "color", "light", "seen", "mark",
-        "suggestive")},
+    "ink_in_light": 0.0, "ink_light_color": (0.5, 0.25, 0.1), "ink_by_kind": False,
+    **{f"line_{kind}_{what}": value for what, value in (("ink", (0.0, 0.0, 0.0)), ("pen", "PEN_1")) for kind in KINDS},
     "surface_fade": 0.0, "length_unit": "RELATIVE", "supersample": 1.0,
     # shading
     "use_shading": True, "shade_levels": [(0.5,), (0.7, 0.5, 0.025), (1.1, 0.9, 0.025)],
@@ -54,7 +70,7 @@ DEFAULTS = {
     "example_patch": 110.0,
     # smudging
     "use_smudging": True, "smudge_range": 10.0, "smudge_pick": 7.0, "smudge_depth": 0.01,
-    "smudge_falloff": 0.5, "smudge_speed": 1.0,
+    "smudge_falloff": 0.5, "smudge_curve": 1.0,
     # hatching and paper
     "use_hatching": True, "hatch_amount": 0.7, "hatch_color": (0.0, 0.0, 0.0),
     "hatch_color_threshold": 0.35, "hatch_light_threshold": 0.5, "hatch_color_light": 0.5,
@@ -64,7 +80,7 @@ DEFAULTS = {
     "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_reds": 0.0,
     "tone_black_by": "VALUE", "tone_local": 0.0, "tone_mirrors": False, "tone_sky": 0.0, "tone_detail": 0.0,
     "tone_least": 0.0, "tone_hardness": 1.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
-    "tone_strokes": "FORM", "tone_light_turn": 135.0, "tone_light_height": 45.0,
+    "tone_strokes": "FORM", "tone_light_direction": 135.0, "tone_light_height": 45.0,
     "page_height": 257.0,
     **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE", "SAME", "SAME"), 1)},
     **{f"tone_{n}_{id_}": value for n in range(1, 7) for id_, value in
@@ -74,30 +90,27 @@ DEFAULTS = {
     "wash_size": 160.0, "wash_pigments": 0.3, "wash_bleed": 0.3, "wash_bleed_width": 28.0, "wash_wobble": 3.0,
     "wash_dilution": 0.08, "wash_seed": 0,
     # rim light
-    "use_rim": False, "rim_width": 8.0, "rim_turn": 0.8, "rim_space": "PICTURE",
+    "use_rim": False, "rim_width": 8.0, "rim_facing": 0.8, "rim_space": "PICTURE",
     "rim_angle": 135.0, "rim_elevation": 30.0, "rim_spread": 180.0, "rim_depth": 0.05,
     "rim_softness": 0.0, "rim_color": (1.0, 1.0, 1.0), "rim_tint": 0.0, "rim_strength": 1.0,
     # specks
     "use_specks": False, "speck_size": 4.0,
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
-    "world_shadows": False, "light_denoise": "OIDN", "seen_denoise": "OIDN",
-    "save_layers": "AUTO", "save_anchor": "AUTO",
+    "world_shadows": False, "light_denoise": "OIDN", "mirror_denoise": "OIDN",
+    "save_layers": "AUTO", "save_rest": "AUTO",
 }
 
 ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_shadows", "light_denoise",
-          "seen_denoise", "save_layers", "save_anchor"}
+          "mirror_denoise", "save_layers", "save_rest"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash",
             "use_specks")
 
-_WEIGHTS = {"edge_" + name for name in ("depth", "normal", "object", "material", "color", "seen", "light", "mark",
-                                        "suggestive")} | {
-    name + "_length" for name in ("suggestive", "light", "color", "seen")}
-_CREASES = {"crease_angle", "crease_smooth", "edge_bump"}
+_CREASES = {"flush_pieces", "crease_angle", "crease_angle_smooth", "crease_bumps"}
 _PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "reflection_tones", "highlight_shape",
           "highlight_threshold", "highlight_transition", "highlight_color"}
 _FRAMES = {"shade_meter", "meter_light", "meter_shade", "tone_sky", "tone_detail", "tone_least", "line_search",
-           "line_max_thickness", "line_occlude",
+           "line_thickest", "line_occlude",
            "wash_pool_width", "wash_bleed_width", "wash_size", "wash_seed"}
 
 
@@ -107,8 +120,8 @@ def is_surface(name):
         return False
     if name in _PARTS:
         return True
-    return name in _WEIGHTS | _CREASES or name.startswith(
-        ("width_", "line_", "pen_", "ink_", "shade_", "hatch_", "smudge_", "tone_", "rim_", "wash_", "example_",
+    return name in _CREASES or name.startswith(
+        ("line_", "pen_", "ink_", "shade_", "hatch_", "smudge_", "tone_", "rim_", "wash_", "example_",
          "speck_", "use_"))
 
 

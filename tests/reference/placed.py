@@ -317,7 +317,7 @@ def creases(view):
         """By how many degrees it bends more than it must."""
         at = (column, row + place[row, column, axis]) if axis else (column + place[row, column, axis], row)
         table = view.params.tables[view.layers.style[view.near(*at, column, row, "crease", axis)]]
-        return bend[row, column, axis] - table["crease_smooth" if layer[row, column, 1 + 2 * axis] < 0
+        return bend[row, column, axis] - table["crease_angle_smooth" if layer[row, column, 1 + 2 * axis] < 0
                                                else "crease_angle"]
 
     def yields_to(row, column, axis):
@@ -331,7 +331,7 @@ def creases(view):
         at = (column, row + t) if axis else (column + t, row)
         style = view.layers.style[view.near(*at, column, row, "crease", axis)]
         smooth, several = layer[row, column, 1 + 2 * axis] < 0, spread[row, column, axis]
-        angle = view.params.tables[style]["crease_smooth" if smooth else "crease_angle"]
+        angle = view.params.tables[style]["crease_angle_smooth" if smooth else "crease_angle"]
         more_ = bend[row, column, axis] - angle
         least = more_ + angle / 6 if smooth and not several else more_  # beside what is a line by itself
         site = view.weigh(at, "crease", column, row, axis, {SOURCES.index("normal"): 1.0}, style)

@@ -95,7 +95,7 @@ def light(layers, params, surface):
     on = tuple(np.moveaxis(seen, -1, 0))
     style = layers.style[on]
     facing, growth = _facing(layers)
-    turn = params.at("rim_turn", style)
+    turn = params.at("rim_facing", style)
     cover = cover * np.where(turn >= 1, 1.0, clamp01((turn - facing[on]) / growth[on] + 0.5))
     cover = (cover * params.at("rim_strength", style))[..., None]
     tint = params.at("rim_tint", style)[..., None]

@@ -32,7 +32,7 @@ def smudge(layers, params, edges, surface, surface_doubtful):
     whole = (d < near) | (near >= far)
     ramp = np.maximum(0.0, (far - np.minimum(d, far)) / np.where(whole, 1.0, far - near))
     ramp = np.where(whole, 1.0, ramp)
-    speed = params.at("smudge_speed", style)
+    speed = params.at("smudge_curve", style)
     share = np.where(applies, ramp**speed, 0.0)
     smudged = np.where(applies[..., None], mix(surface, surface[q], share[..., None]), surface)
 

@@ -64,7 +64,7 @@ def ends(t, hand, pictures):
     """By site, where it lies in the picture along its line; pictures: by pen and style number."""
     out = []
     for i in range(len(t)):
-        pen = {"PEN": "pen", "PEN_2": "pen_2", "PEN_3": "pen_3"}[hand.whose[i]]
+        pen = {"PEN_1": "pen_1", "PEN_2": "pen_2", "PEN_3": "pen_3"}[hand.whose[i]]
         levels = pictures.get((pen, int(hand.style[i])))
         amount = hand.at("strip")[i]
         if t.dropped[i] or not hand.drawn[i] or not amount > 0 or levels is None:

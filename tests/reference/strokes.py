@@ -90,13 +90,13 @@ def ends(t, layers, params, paper, stroke, pictures):
     style = layers.style[owner]
     used = params.at("use_lines", style) > 0
     hand = Hand(t, layers, params, stroke)
-    taper = hand.at("taper", params.at("line_taper", style)) * params.pixels(layers.full_height)
+    taper = hand.at("taper") * params.pixels(layers.full_height)
     kind = kinds(t, layers)
     half = pen.radius
     for name in ("contact", "intersection"):
-        half = np.where(kind == KINDS.index(name), half * params.at("width_" + name, style), half)
-    half = half * hand.at("width", np.ones(len(t)))
-    most = 0.5 * params["line_max_thickness"] * params.pixels(layers.full_height)
+        half = np.where(kind == KINDS.index(name), half * params.at(f"line_{name}_width", style), half)
+    half = half * hand.at("width")
+    most = 0.5 * params["line_thickest"] * params.pixels(layers.full_height)
     half = np.minimum(half, most) * (1 - site["eased"] / 255)
     pressure = mix(1, hand.pressure(), pressed(t, hand, layers, half * used, params.at("line_density", style)))
     half, kept = thinned(t, hand, layers, half * used, params.at("line_density", style), params.at("line_fewer", style))
@@ -125,11 +125,11 @@ def ends(t, layers, params, paper, stroke, pictures):
     z = np.zeros(len(t))
     if pen.occlude:
         z = pen.z - 0.1 * layers.height if layers.orthographic else 0.9 * pen.z
-    strength = pen.pressed * hand.at("intensity", pen.intensity)
-    gain = hand.at("gain", pen.gain) * strength
-    columns = np.stack([lift * filled * site["half"] + radius, hand.at("softness", pen.softness) * radius, gain,
+    strength = pen.pressed * hand.at("intensity")
+    gain = hand.at("steepness") * strength
+    columns = np.stack([lift * filled * site["half"] + radius, hand.at("softness") * radius, gain,
                         np.where(gain > 0, 1 / np.where(gain > 0, gain, 1), 0), np.maximum(0, 1 - strength / 2),
-                        hand.at("paper", pen.roughness), np.minimum(z, 1e30)], 1)
+                        hand.at("grain"), np.minimum(z, 1e30)], 1)
     color, swollen = inks(t, layers, params, pen.ink, columns[:, 0], layers.combined)
     columns[:, :2] *= swollen[:, None]
     at, columns = np.where(used[:, None], at, t.at), columns * used[:, None]
@@ -173,7 +173,7 @@ def draw(t, layers, params, paper, pictures=()):
     ink = np.zeros((*shape, 3))
     pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
-    for k in range(int(max(params.at(pen + "strokes", 0) for pen in ("pen_", "pen_2_", "pen_3_")))):
+    for k in range(int(max(params.at(pen + "strokes", 0) for pen in ("pen_1_", "pen_2_", "pen_3_")))):
         dark, own, doubtful = _stroke(t, ends(t, layers, params, paper, k, dict(pictures)), pieces, layers, paper)
         laid = laid + dark - mix(laid * dark, np.minimum(laid, dark), 0.4)  # what one leaves white the next may darken
         differ = np.abs(own - ink).max(-1) > 1e-4

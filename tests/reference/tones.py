@@ -339,7 +339,7 @@ def _sheet(card):
 def _light(of):
     if of("tone_strokes") != "LIGHT":
         return None
-    turn, height = np.radians(of("tone_light_turn")), np.radians(of("tone_light_height"))
+    turn, height = np.radians(of("tone_light_direction")), np.radians(of("tone_light_height"))
     return np.array((np.cos(turn) * np.cos(height), np.sin(turn) * np.cos(height), np.sin(height)))
 
 

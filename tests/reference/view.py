@@ -11,6 +11,7 @@ import numpy as np
 from . import grid, metric
 from .edges import SOURCES
 from .metric import clamp01
+from .params import strength as strength_of
 from .passes import COLUMN, CRACKS, ROW
 
 SEEN, SUGGESTIVE = len(SOURCES), len(SOURCES) + 1
@@ -61,12 +62,12 @@ class View:
         self.threshold = params["edge_threshold"]
         self.bend = 2 * np.sin(np.radians(crease_angle) / 2)
         self.metric = params["contrast_metric"]
-        self.weights = {k: params.at("edge_" + name, np.arange(len(params.tables)))
+        self.weights = {k: params.at(strength_of(name), np.arange(len(params.tables)))
                         for k, name in enumerate((*SOURCES, "seen", "suggestive"))}
 
     def normal_weights(self, row, column):
         """By style, of a crease that the normals show at a pixel: that of bumps where a mesh tells of creases."""
-        bumps = self.params.at("edge_bump", np.arange(len(self.params.tables)))
+        bumps = self.params.at("crease_bumps", np.arange(len(self.params.tables)))
         untold = ~self.meshes | (self.layers.creases[row, column, 4] < 0)
         return np.where(untold, self.weights[SOURCES.index("normal")], bumps)
 
@@ -86,7 +87,7 @@ class View:
         return float(getattr(metric, self.metric.lower())(one, two)) / 100
 
     def contrast(self, difference):
-        least, most = self.params["contrast_threshold"], self.params["contrast_max"]
+        least, most = self.params["contrast_threshold"], self.params["contrast_full"]
         if difference < least:
             return 0.0
         return float(clamp01((difference - least) / (most - least))) if most > least else 1.0

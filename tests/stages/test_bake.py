@@ -51,7 +51,7 @@ def check(texture, scene=None, tolerance=1e-4, **options):
 @pytest.mark.parametrize("size", [(1, 1), (1, 7), (9, 1), (2, 3), (19, 27), (37, 16)])
 def test_discs(size, wrap):
     for seed, thickness in enumerate((3.0, 8.0, 21.0)):
-        scene = dict(line_thickness=thickness, contrast_max=0.6)
+        scene = dict(line_thickness=thickness, contrast_full=0.6)
         check(blots(*size, seed), scene, wrap=wrap)
         check(blots(*size, seed, 4, soft=True), scene, wrap=wrap)
         check(np.random.default_rng(seed).random((*size, 3), np.float32), scene, wrap=wrap)
@@ -62,7 +62,7 @@ def test_discs(size, wrap):
 def test_ellipses(size, wrap):
     wrap = (wrap[0] and size[1] > 1, wrap[1])  # by shear a single column may be inked best by a far repetition
     for seed, thickness in enumerate((2.0, 7.0)):
-        scene = dict(line_thickness=thickness, contrast_max=0.6)
+        scene = dict(line_thickness=thickness, contrast_full=0.6)
         check(blots(*size, seed), scene, form=smooth_forms(*size), wrap=wrap, tolerance=5e-4)
         check(blots(*size, seed, 4, soft=True), scene, form=forms(*size, seed, 0.5), wrap=wrap, tolerance=5e-4)
 
@@ -74,7 +74,7 @@ def test_metrics(kind, linear):
     if linear:
         texture = (texture * 1.2 - 0.1).astype(np.float32)
     for threshold, most in ((0.01, 1.0), (0.2, 0.5), (0.3, 0.1)):
-        check(texture, dict(contrast_metric=kind, contrast_threshold=threshold, contrast_max=most), linear=linear,
+        check(texture, dict(contrast_metric=kind, contrast_threshold=threshold, contrast_full=most), linear=linear,
               tolerance=1e-3)
 
 
@@ -83,7 +83,7 @@ def test_metrics(kind, linear):
 def test_local_contrast(window, wrap):
     texture = blots(23, 31, 5) * 0.4
     texture[:, 20:] *= 2
-    check(texture, dict(contrast_auto=True, contrast_window=window), wrap=wrap)
+    check(texture, dict(contrast_local=True, contrast_window=window), wrap=wrap)
 
 
 def test_a_boundary_gives_the_thickness_asked():
@@ -92,7 +92,7 @@ def test_a_boundary_gives_the_thickness_asked():
     texture[:, :80] = 0.5
     thickness = 9.0
     contrast = library.bake(texture, draw=False).greatest
-    scene = dict(line_thickness=thickness, contrast_max=contrast)
+    scene = dict(line_thickness=thickness, contrast_full=contrast)
     for form in (None, np.tile(np.float32((1, 0, 1)), (40, 160, 1))):
         got = library.bake(texture, scene, form, wrap=(False, False)).texture[20, :, 0] / texture[20, :, 0]
         assert (1 - got).sum() == pytest.approx(thickness, abs=1e-4)
@@ -111,7 +111,7 @@ def test_alpha_is_kept():
     assert np.array_equal(library.bake(texture).texture[..., 3], texture[..., 3])
 
 
-@pytest.mark.parametrize("scene", [{}, dict(contrast_auto=True), dict(contrast_metric="CMC", line_thickness=40.0)])
+@pytest.mark.parametrize("scene", [{}, dict(contrast_local=True), dict(contrast_metric="CMC", line_thickness=40.0)])
 @pytest.mark.parametrize("stretched", [False, True])
 def test_same_bytes(scene, stretched):
     texture = blots(203, 157, 7, 4)

@@ -8,15 +8,16 @@ import reference
 from encre.pen import library
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera
+from reference.params import strength, width
 
 CONTROLS = len(library.controls())
 
 OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False)
-NO_EDGES = {f"edge_{source}": 0.0 for source in reference.SOURCES}
+NO_EDGES = {strength(source): 0.0 for source in reference.SOURCES}
 # Ink is 1 on edge pixels and 0 beside them: discs of radius 1 have no falloff inside.
-STAMP = dict(OFF, use_lines=True, line_search="NEAREST", line_thickness=2.0, length_unit="PIXELS", line_softness=0.0,
-             line_paper=0.0, paper_source="NONE", line_occlude=False, line_gain=4.0, line_intensity=1.0,
-             line_contrast=0.0, line_depth_distance=0.0, **{f"width_{source}": 1.0 for source in reference.SOURCES})
+STAMP = dict(OFF, use_lines=True, line_search="NEAREST", line_thickness=2.0, length_unit="PIXELS", pen_1_softness=0.0,
+             pen_1_grain=0.0, paper_source="NONE", line_occlude=False, pen_1_steepness=4.0, pen_1_intensity=1.0,
+             line_contrast=0.0, line_far_distance=0.0, **{width(source): 1.0 for source in reference.SOURCES})
 ORTHO = Camera(orthographic=True, height=2.5)
 
 
@@ -76,7 +77,7 @@ def check(layers, scene, styles=(), camera=None):
 
 
 def alone(source, **more):
-    return {**NO_EDGES, f"edge_{source}": 1.3, **more}
+    return {**NO_EDGES, strength(source): 1.3, **more}
 
 
 CASES = {
@@ -90,13 +91,14 @@ CASES = {
     "lit": alone("color", color_detector="DOG", color_layer="LIT"),
     "light": alone("light", color_detector="DOG"),
     "RGB": alone("color", contrast_metric="RGB"),
-    "CIE76": alone("color", contrast_metric="CIE76", contrast_threshold=0.2, contrast_max=0.6),
-    "CIEDE2000": alone("color", contrast_metric="CIEDE2000", contrast_max=0.8),
-    "CMC": alone("color", contrast_metric="CMC", contrast_max=0.9),
+    "CIE76": alone("color", contrast_metric="CIE76", contrast_threshold=0.2, contrast_full=0.6),
+    "CIEDE2000": alone("color", contrast_metric="CIEDE2000", contrast_full=0.8),
+    "CMC": alone("color", contrast_metric="CMC", contrast_full=0.9),
     "light, CIE76": alone("light", contrast_metric="CIE76"),
-    "a step": alone("color", contrast_threshold=0.3, contrast_max=0.3),
-    "all": dict(edge_object=0.4, edge_material=0.3, edge_depth=0.7, edge_normal=1.5, edge_color=0.5, edge_light=0.6,
-                edge_mark=0.2),
+    "a step": alone("color", contrast_threshold=0.3, contrast_full=0.3),
+    "all": dict(line_outline_strength=0.4, line_material_strength=0.3, line_inner_strength=0.7,
+                line_crease_strength=1.5, line_color_strength=0.5, line_shadow_strength=0.6,
+                line_mark_strength=0.2),
 }
 
 
@@ -123,7 +125,7 @@ def test_strength(name, detector):
 @pytest.mark.parametrize("sigma", [0.5, 0.501, 1.3, 4.0])
 @pytest.mark.parametrize("name", ["depth", "linear depth", "normal", "color"])
 def test_sigma(name, sigma):
-    check(drawn(40, 37, 3, "drawn"), dict(CASES[name], edge_sigma=sigma))
+    check(drawn(40, 37, 3, "drawn"), dict(CASES[name], edge_blur=sigma))
 
 
 @pytest.mark.parametrize("detector", ["DOG", "SOBEL"])
@@ -132,7 +134,7 @@ def test_orthographic(detector, space):
     scene = alone("depth", edge_detector=detector, depth_space=space)
     for seed, kind in enumerate(("noise", "drawn", "noise")):
         check(drawn(33, 41, seed, kind, nasty=seed == 2), scene, camera=ORTHO)
-    check(drawn(33, 41, 4, "drawn"), dict(scene, edge_sigma=2.6), camera=ORTHO)
+    check(drawn(33, 41, 4, "drawn"), dict(scene, edge_blur=2.6), camera=ORTHO)
 
 
 @pytest.mark.parametrize("size", [(1, 1), (1, 2), (2, 1), (1, 40), (40, 1), (2, 3), (5, 300), (300, 4), (3, 513)])
@@ -141,8 +143,8 @@ def test_sizes(size, camera):
     for detector, sigma in (("DOG", 1.0), ("DOG", 4.0), ("SOBEL", 1.0)):
         for space in ("INVERSE", "LINEAR"):
             check(drawn(*size, 5, "noise"),
-                  dict(CASES["all"], edge_detector=detector, depth_space=space, edge_sigma=sigma), camera=camera)
-        check(drawn(*size, 6, "drawn"), alone("color", contrast_auto=True, contrast_window=7.0))
+                  dict(CASES["all"], edge_detector=detector, depth_space=space, edge_blur=sigma), camera=camera)
+        check(drawn(*size, 6, "drawn"), alone("color", contrast_local=True, contrast_window=7.0))
 
 
 @pytest.mark.parametrize("window", [1.0, 2.0, 3.0, 9.9, 64.0, 4096.0])
@@ -151,36 +153,37 @@ def test_contrast_auto(source, window):
     layers = drawn(37, 70, 7, "drawn")
     layers["albedo"][:, 20:] *= 0.2  # weak contrasts: below and above the 0.25 that counts as full
     layers["diffuse"][:, 30:] *= 0.4
-    check(layers, alone(source, contrast_auto=True, contrast_window=window, length_unit="PIXELS"))
+    check(layers, alone(source, contrast_local=True, contrast_window=window, length_unit="PIXELS"))
 
 
 def test_contrast_auto_counts_at_least_a_quarter():
     layers = drawn(9, 9, kind="drawn", painted=False)
     layers["albedo"][:] = 0
     layers["albedo"][:, 5:] = 0.002  # encoded difference 0.02584
-    got = strengths(layers, {**NO_EDGES, "edge_color": 1.0, "contrast_auto": True, "contrast_threshold": 0.0})
+    got = strengths(layers, {**NO_EDGES, "line_color_strength": 1.0, "contrast_local": True, "contrast_threshold": 0.0})
     assert got[:, 4:6] == pytest.approx(0.002 * 12.92 / 0.25, rel=1e-5)
 
 
 def test_contrast_window_follows_length_unit():
     layers = drawn(27, 60, 8, "drawn")
     layers["albedo"] *= np.linspace(0.05, 1, 60, dtype=np.float32)[:, None]
-    scene = alone("color", contrast_auto=True, contrast_window=400.0)
+    scene = alone("color", contrast_local=True, contrast_window=400.0)
     relative = strengths(layers, scene)
     assert np.array_equal(relative, strengths(layers, dict(scene, length_unit="PIXELS", contrast_window=10.0)))
     assert not np.array_equal(relative, strengths(layers, dict(scene, length_unit="PIXELS")))
     check(layers, scene)
 
 
-STYLES = [{}, dict(edge_depth=0.3, edge_normal=2.0, edge_object=0.0, edge_material=0.8, edge_color=0.2, edge_light=0.1),
-          dict(edge_depth=0.0, edge_color=1.0, edge_threshold=99.0)]
+STYLES = [{}, dict(line_inner_strength=0.3, line_crease_strength=2.0, line_outline_strength=0.0,
+                   line_material_strength=0.8, line_color_strength=0.2, line_shadow_strength=0.1),
+          dict(line_inner_strength=0.0, line_color_strength=1.0, edge_threshold=99.0)]
 
 
 @pytest.mark.parametrize("detector", ["DOG", "SOBEL"])
 def test_styles_and_painted_color(detector):
     for seed, kind in enumerate(("noise", "drawn")):
         check(drawn(40, 300, seed, kind), dict(CASES["all"], edge_detector=detector), STYLES)
-        check(drawn(40, 60, seed, kind), dict(edge_color=0.0, edge_detector=detector), STYLES)
+        check(drawn(40, 60, seed, kind), dict(line_color_strength=0.0, edge_detector=detector), STYLES)
 
 
 @pytest.mark.parametrize("styles", [(), STYLES], ids=["one", "styles"])
@@ -188,14 +191,15 @@ def test_edge_pixels_their_source_and_their_controls(styles):
     layers = drawn(45, 70, 9, "drawn")
     layers["controls"][..., 0] = np.random.default_rng(1).integers(-1, 1, (45, 70))  # -1 removes the line
     layers["controls"][..., 1] = 0
-    scene = dict(STAMP, edge_object=0.8, edge_material=0.7, edge_depth=0.2, edge_normal=0.15, edge_color=0.9,
-                 edge_light=4.0, edge_threshold=0.55)
+    scene = dict(STAMP, line_outline_strength=0.8, line_material_strength=0.7, line_inner_strength=0.2,
+                 line_crease_strength=0.15, line_color_strength=0.9,
+                 line_shadow_strength=4.0, edge_threshold=0.55)
     want = expected(layers, scene, styles)
     near = owners(layers["depth"])
     kept = layers["controls"][..., 0][near] == 0
     doubtful = np.abs(want["Encre Edges"] - 0.55) < 1e-4
     for number, source in enumerate(reference.SOURCES):
-        widths = {f"width_{other}": float(other == source) for other in reference.SOURCES}
+        widths = {width(other): float(other == source) for other in reference.SOURCES}
         ink = masks.render(layers, {**scene, **widths}, styles, outputs=("Encre Lines",)).images["Encre Lines"][..., 3]
         edges = want["edge_mask"] & (want["edge_source"] == number)
         assert edges.any()
@@ -233,7 +237,7 @@ def test_threshold_is_inclusive_and_zero_is_no_edge():
     layers["controls"][:] = 0
     layers["object"][:] = np.arange(12) >= 6
     for weight, threshold, edges in ((0.5, 0.5, True), (0.5, 0.50001, False), (0.0, 0.0, False)):
-        scene = {**STAMP, **NO_EDGES, "edge_object": weight, "edge_threshold": threshold}
+        scene = {**STAMP, **NO_EDGES, "line_outline_strength": weight, "edge_threshold": threshold}
         ink = masks.render(layers, scene, outputs=("Encre Lines",)).images["Encre Lines"][0, :, 3]
         assert (ink > 0).tolist() == [edges and x in (5, 6) for x in range(12)]
 
@@ -242,7 +246,7 @@ def test_threshold_is_inclusive_and_zero_is_no_edge():
 def test_sobel_shape_threshold_and_linear_limits(detector):
     layers = drawn(31, 53, 1, "drawn")
     for least in (0.0, 0.31, 0.9):
-        check(layers, alone("normal", edge_detector=detector, sobel_shape_threshold=least))
+        check(layers, alone("normal", edge_detector=detector, sobel_crease_threshold=least))
     layers["depth"][:] = np.where(np.arange(53) < 20, 1e-3, 1e6)
     for near, far in ((0.0, 1.0), (0.01, 1e7)):
         check(layers, alone("depth", edge_detector=detector, depth_space="LINEAR", depth_near=near, depth_far=far))
@@ -254,7 +258,7 @@ def test_planes_have_no_edges_up_to_the_border(detector):
     layers = drawn(50, 80, painted=False)
     for camera, depth in ((Camera(), 1 / (0.002 + 0.004 * x + 0.01 * y)), (ORTHO, 3 + 0.4 * x + 0.9 * y)):
         layers["depth"] = depth.astype(np.float32)
-        scene = alone("depth", edge_detector=detector, edge_sigma=2.0)
+        scene = alone("depth", edge_detector=detector, edge_blur=2.0)
         assert strengths(layers, scene, camera=camera).max() < 1e-3
         assert strengths(layers, dict(scene, depth_space="LINEAR"), camera=camera).max() > 0.01
 
@@ -269,7 +273,7 @@ def test_flat_is_exactly_nothing(detector):
             scene = {**CASES["all"], "edge_detector": detector, "color_detector": "DOG", "depth_space": space}
             inner = strengths(layers, scene, camera=camera)[8:-8, 8:-8]
             assert not inner.any()
-            assert strengths(layers, dict(scene, edge_depth=0.0), camera=camera).max() == 0
+            assert strengths(layers, dict(scene, line_inner_strength=0.0), camera=camera).max() == 0
 
 
 @pytest.mark.parametrize("name", ["all", "CIEDE2000", "light, CIE76"])
@@ -278,7 +282,7 @@ def test_same_bytes_on_all_threads_and_instructions(name, detector):
     layers = drawn(130, 301, 11, "noise", nasty=True)
     for camera in (Camera(), ORTHO):
         for auto in (False, True):
-            scene = dict(CASES[name], edge_detector=detector, contrast_auto=auto)
+            scene = dict(CASES[name], edge_detector=detector, contrast_local=auto)
             want = strengths(layers, scene, STYLES, camera, threads=1, simd=1).tobytes()
             for threads, simd in ((2, 1), (3, 1), (8, 1), (1, 0), (3, 0)):
                 assert strengths(layers, scene, STYLES, camera, threads=threads, simd=simd).tobytes() == want
@@ -294,7 +298,7 @@ def test_extreme_numbers_stay_finite():
         for camera in (Camera(), Camera(orthographic=True, height=1e-37),
                        Camera(orthographic=True, height=3e38)):
             for weight in (1e-38, 1.0, 3e38):
-                scene = {f"edge_{source}": weight for source in reference.SOURCES} | {"edge_detector": detector}
+                scene = {strength(source): weight for source in reference.SOURCES} | {"edge_detector": detector}
                 got = strengths(layers, scene, camera=camera)
                 assert np.isfinite(got).all() and (got >= 0).all()
 
@@ -303,13 +307,13 @@ def test_what_is_cut_to_stay_finite():
     layers = drawn(5, 9, painted=False)
     step = np.arange(9) >= 4
     layers["normal"][:] = np.where(step, 1e20, 0)[:, None]
-    got = strengths(layers, {**NO_EDGES, "edge_detector": "SOBEL", "edge_normal": 1.0})
+    got = strengths(layers, {**NO_EDGES, "edge_detector": "SOBEL", "line_crease_strength": 1.0})
     assert got[2, 4] == pytest.approx(3 * 0.1 * 0.5 * 4 * 1e15)
     layers["depth"][:] = np.where(step, 1e-38, 1 / 0.98e15)  # nearer than the cut, just farther than it
-    got = strengths(layers, {**NO_EDGES, "edge_detector": "SOBEL", "edge_depth": 1.0})
+    got = strengths(layers, {**NO_EDGES, "edge_detector": "SOBEL", "line_inner_strength": 1.0})
     assert got[2, 4] == pytest.approx(10 * 4 * 0.02, rel=1e-3)
     layers["depth"][:] = np.where(step, 5, 5.001)
-    scene = {**NO_EDGES, "edge_depth": 1.0}
+    scene = {**NO_EDGES, "line_inner_strength": 1.0}
     unit, tiny = (strengths(layers, scene, camera=Camera(orthographic=True, height=h)).max() for h in (1, 1e-30))
     assert tiny == pytest.approx(unit / 60 * 1e28, rel=1e-5)
 

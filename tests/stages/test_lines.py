@@ -10,35 +10,39 @@ from encre.pen.errors import Cancelled
 from encre.pen.job import Camera, Frame
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reference.params import strength
+from reference.params import width as width_of
 
 CONTROLS = len(library.controls())
 
 # Only sources that float32 and float64 decide alike: indices, and bright specks on black that are an edge each.
-SHARP = dict(edge_depth=0.0, edge_normal=0.0, edge_material=0.8, edge_color=1.5, color_detector="DOG", edge_sigma=0.5,
+SHARP = dict(line_inner_strength=0.0, line_crease_strength=0.0, line_material_strength=0.8, line_color_strength=1.5,
+             color_detector="DOG", edge_blur=0.5,
              edge_threshold=0.3, use_shading=False, use_smudging=False, use_hatching=False)
 PASSES = ("Combined", "Encre Lines", "Encre Surface")
 SEARCHES = ("EXACT", "NEAREST", "WALK", "DILATE")
 STYLES = [
-    dict(line_color=(0.9, 0.1, 0.2), line_thickness=17.0, line_paper=0.1, line_softness=0.2, width_color=1.7),
+    dict(ink_color=(0.9, 0.1, 0.2), line_thickness=17.0, pen_1_grain=0.1, pen_1_softness=0.2, line_color_width=1.7),
     dict(use_lines=False),
-    dict(line_intensity=1.6, line_gain=2.0, line_tint=0.7, line_color=(0.1, 0.2, 0.7), width_object=0.4),
+    dict(pen_1_intensity=1.6, pen_1_steepness=2.0, ink_tint=0.7, ink_color=(0.1, 0.2, 0.7), line_outline_width=0.4),
 ]
 CASES = {
     "defaults": {},
-    "hard": dict(line_softness=0.0, line_thickness=5.0, line_intensity=2.0, paper_source="NONE"),
-    "pale": dict(line_intensity=0.6, line_gain=1.5, line_thickness=21.0, line_paper=1.0),
-    "strong": dict(line_intensity=2.6, line_gain=1.0, line_thickness=11.0, line_softness=0.5),
+    "hard": dict(pen_1_softness=0.0, line_thickness=5.0, pen_1_intensity=2.0, paper_source="NONE"),
+    "pale": dict(pen_1_intensity=0.6, pen_1_steepness=1.5, line_thickness=21.0, pen_1_grain=1.0),
+    "strong": dict(pen_1_intensity=2.6, pen_1_steepness=1.0, line_thickness=11.0, pen_1_softness=0.5),
     "contrast": dict(line_contrast=0.8, line_thickness=25.0, line_occlude=False),
-    "thin": dict(line_thickness=2.1, line_softness=0.4, paper_source="NONE"),
-    "distance": dict(line_depth_distance=5.0, line_thickness=9.0, line_occlude=False),
-    "near": dict(line_depth_distance=500.0, line_thickness=4.0),
-    "far": dict(line_depth_distance=0.4, line_depth_least=5.0, line_thickness=9.0, width_depth=0.3, edge_color=1.0),
-    "not so near": dict(line_depth_distance=500.0, line_depth_most=1.4, line_thickness=9.0),
-    "shade": dict(line_light=0.9, line_thickness=20.0, shade_exposure=0.8),
-    "light": dict(line_light=-0.7, line_thickness=20.0),
-    "widths": dict(width_object=0.6, width_material=1.8, width_color=2.4),
-    "bounded": dict(line_thickness=200.0, line_max_thickness=24.0),
-    "tint": dict(line_tint=0.6, line_tint_value=0.8, line_color=(0.3, 0.5, 0.1), line_thickness=24.0),
+    "thin": dict(line_thickness=2.1, pen_1_softness=0.4, paper_source="NONE"),
+    "distance": dict(line_far_distance=5.0, line_thickness=9.0, line_occlude=False),
+    "near": dict(line_far_distance=500.0, line_thickness=4.0),
+    "far": dict(line_far_distance=0.4, line_far_thinnest=5.0, line_thickness=9.0, line_inner_width=0.3,
+                line_color_strength=1.0),
+    "not so near": dict(line_far_distance=500.0, line_far_thickest=1.4, line_thickness=9.0),
+    "shade": dict(ink_in_shade=0.9, line_thickness=20.0, shade_exposure=0.8),
+    "light": dict(ink_in_shade=-0.7, line_thickness=20.0),
+    "widths": dict(line_outline_width=0.6, line_material_width=1.8, line_color_width=2.4),
+    "bounded": dict(line_thickness=200.0, line_thickest=24.0),
+    "tint": dict(ink_tint=0.6, ink_tint_value=0.8, ink_color=(0.3, 0.5, 0.1), line_thickness=24.0),
     "fade": dict(surface_fade=0.35),
 }
 
@@ -127,7 +131,7 @@ def test_widths_at_which_blocks_of_the_canvas_double(search):
     """One more than 64 blocks do not fit a row's word."""
     for width in (2007, 2008, 2009, 2040, 4056):
         layers = noise_layers(3, width, styles=2)
-        one, other = (masks.render(layers, dict(line_thickness=9.0, line_tint=0.5, line_search=search,
+        one, other = (masks.render(layers, dict(line_thickness=9.0, ink_tint=0.5, line_search=search,
                                                 length_unit="PIXELS"), STYLES, outputs=PASSES, threads=threads,
                                    simd=simd).images for threads, simd in ((1, 1), (2, 0)))
         assert all(one[name].tobytes() == other[name].tobytes() and np.isfinite(one[name]).all() for name in PASSES)
@@ -138,7 +142,7 @@ def test_widths_at_which_blocks_of_the_canvas_double(search):
 @pytest.mark.parametrize("space", ["INVERSE", "LINEAR"])
 def test_orthographic(search, space):
     """Occlusion counts in frame heights, and distance thins nothing."""
-    scene = dict(line_search=search, line_thickness=20.0, line_depth_distance=2.0, depth_space=space)
+    scene = dict(line_search=search, line_thickness=20.0, line_far_distance=2.0, depth_space=space)
     for height in (2.0, 8.0, 30.0):
         check(noise_layers(40, 60, 3), scene, camera=Camera(orthographic=True, height=height), frame=full(40, 60))
 
@@ -153,9 +157,9 @@ def test_every_source_has_its_width():
     layers["diffuse"][:] = np.where((x > 60)[:, None], 0.2, 1.4)
     layers["object"][:], layers["albedo"][:], layers["material"][:] = 0, 0, 0
     for source in ("depth", "normal", "light"):
-        weights = {f"edge_{s}": float(s == source) for s in reference.SOURCES}
+        weights = {strength(s): float(s == source) for s in reference.SOURCES}
         for width in rng.uniform(0.3, 3.0, 2):
-            want = check(layers, dict(weights, **{f"width_{source}": width}, line_occlude=False), frame=full(60, 80))
+            want = check(layers, dict(weights, **{width_of(source): width}, line_occlude=False), frame=full(60, 80))
             assert (want["Encre Lines"][..., 3] > 0).any()
 
 
@@ -167,7 +171,8 @@ def test_a_small_thing_near_by_hides_what_is_drawn_farther_right():
     layers |= dict.fromkeys(("color", "diffuse", "normal"), np.ones((*size, 3)))
     layers["depth"][near], layers["object"][near], layers["controls"][near + (0,)] = 1, 2, -1
     layers = {name: np.float32(layer) for name, layer in layers.items()}
-    scene = dict(edge_detector="DOG", edge_depth=0, edge_normal=0, line_thickness=20.0, length_unit="PIXELS")
+    scene = dict(edge_detector="DOG", line_inner_strength=0, line_crease_strength=0, line_thickness=20.0,
+                 length_unit="PIXELS")
     for occlude in False, True:
         ink = library.render(layers, dict(scene, line_occlude=occlude), outputs=["Encre Lines"]).images["Encre Lines"]
         assert ink[40:56, 66:70, 3].min() > 0.5 and ink[near][..., 3].any() != occlude
@@ -182,17 +187,18 @@ def test_strongest_of_all(seed, thickness, softness, intensity, occlude, tint):
     Half of all are nearer than 1."""
     layers = noise_layers(40, 64, seed, painted=seed % 3 > 0, smooth=True)
     layers["depth"][layers["depth"] < 1e10] *= 0.05 if seed % 2 else 1
-    check(layers, dict(line_thickness=thickness, line_softness=softness, line_intensity=intensity, line_occlude=occlude,
-                       line_tint=0.6 * tint, edge_material=0.0), frame=full(40, 64))
+    check(layers, dict(line_thickness=thickness, pen_1_softness=softness, pen_1_intensity=intensity,
+                       line_occlude=occlude,
+                       ink_tint=0.6 * tint, line_material_strength=0.0), frame=full(40, 64))
 
 
 @pytest.mark.parametrize("unit", ["RELATIVE", "SCENE"])
 def test_the_full_width_s_distance_is_relative(unit):
     """To the camera's distance, in styles too; where that is not known, and for other cameras, as it is."""
-    layers, scene = noise_layers(40, 60, 5, styles=1), dict(line_depth_distance=0.8, line_depth_unit=unit,
+    layers, scene = noise_layers(40, 60, 5, styles=1), dict(line_far_distance=0.8, line_far_unit=unit,
                                                             line_thickness=14.0)
     for camera in (Camera(distance=6.0), Camera(), Camera(orthographic=True, height=4.0, distance=6.0)):
-        check(layers, scene, [dict(line_depth_distance=1.5, line_depth_unit="SCENE")], camera)
+        check(layers, scene, [dict(line_far_distance=1.5, line_far_unit="SCENE")], camera)
 
 
 @pytest.mark.parametrize("search", ["EXACT", "NEAREST"])
@@ -203,8 +209,8 @@ def test_occlusion_begins_a_tenth_nearer(search, camera, share):
     slope = 5 * (1 - share) + np.linspace(-0.01, 0.01, 390)
     layers["depth"][:] = np.concatenate([np.full(10, 5), slope])
     layers["albedo"][4, 4] = 1
-    scene = dict(SHARP, line_search=search, line_thickness=2000.0, line_max_thickness=2000.0, length_unit="PIXELS",
-                 line_softness=0.0, paper_source="NONE", line_intensity=2.0)
+    scene = dict(SHARP, line_search=search, line_thickness=2000.0, line_thickest=2000.0, length_unit="PIXELS",
+                 pen_1_softness=0.0, paper_source="NONE", pen_1_intensity=2.0)
     ink = masks.render(layers, scene, camera=camera, outputs=PASSES).images["Encre Lines"][4, 10:, 3]
     assert (ink[slope < 5 * (1 - share) - 1e-4] == 0).all() and (ink[slope > 5 * (1 - share) + 1e-4] == 1).all()
 
@@ -221,8 +227,8 @@ def locations(search, specks, shape):
     for y, x in specks:
         layers["albedo"][y, x] = 1
     layers["color"][..., 0], layers["color"][..., 1] = np.mgrid[: shape[0], : shape[1]] + 1
-    scene = dict(SHARP, line_search=search, line_thickness=4096.0, line_max_thickness=4096.0, length_unit="PIXELS",
-                 line_softness=0.0, paper_source="NONE", line_intensity=4.0, line_tint=1.0, line_tint_value=1.0)
+    scene = dict(SHARP, line_search=search, line_thickness=4096.0, line_thickest=4096.0, length_unit="PIXELS",
+                 pen_1_softness=0.0, paper_source="NONE", pen_1_intensity=4.0, ink_tint=1.0, ink_tint_value=1.0)
     assert (masks.render(layers, scene, outputs=("Encre Edges",)).images["Encre Edges"] > 0.3).sum() == len(specks)
     lines = masks.render(layers, scene, outputs=PASSES).images["Encre Lines"]
     assert set(np.unique(lines[..., 3])) <= {0, 1}
@@ -280,8 +286,8 @@ def test_large_discs_reach_their_radius():
     layers = {name: a * 0 for name, a in noise_layers(3, 2500).items()}
     layers["depth"] += 5
     layers["albedo"][1, 100] = 1
-    scene = dict(SHARP, line_thickness=4096.0, line_max_thickness=4096.0, length_unit="PIXELS", line_softness=0.0,
-                 paper_source="NONE", line_intensity=2.0, line_gain=1.0, width_color=1.0)
+    scene = dict(SHARP, line_thickness=4096.0, line_thickest=4096.0, length_unit="PIXELS", pen_1_softness=0.0,
+                 paper_source="NONE", pen_1_intensity=2.0, pen_1_steepness=1.0, line_color_width=1.0)
     for search in ("EXACT", "NEAREST"):
         for turn in (False, True):
             turned = {name: np.ascontiguousarray(a.swapaxes(0, 1)) if turn else a for name, a in layers.items()}
@@ -295,7 +301,7 @@ def test_no_line_without_an_edge(search):
     layers = {name: a * 0 for name, a in noise_layers(300, 6).items()}
     layers["depth"] += 5
     layers["combined"] += 1
-    scene = dict(SHARP, line_search=search, length_unit="PIXELS", line_thickness=30.0, line_max_thickness=30.0)
+    scene = dict(SHARP, line_search=search, length_unit="PIXELS", line_thickness=30.0, line_thickest=30.0)
     for edges in (0, 1):
         layers["albedo"][3, 3] = edges
         ink = masks.render(layers, scene, outputs=PASSES).images["Encre Lines"][..., 3]
@@ -309,7 +315,7 @@ def test_no_line_without_an_edge(search):
 @pytest.mark.parametrize("tint", [0.0, 0.5])
 def test_threads_and_instruction_sets(search, tint):
     layers = noise_layers(150, 143, 5, styles=3)
-    scene = dict(SHARP, line_search=search, line_tint=tint, line_thickness=12.0, surface_fade=0.1)
+    scene = dict(SHARP, line_search=search, ink_tint=tint, line_thickness=12.0, surface_fade=0.1)
     frame = Frame(**full(150, 143))
     first = masks.render(layers, scene, STYLES, frame=frame, outputs=PASSES, threads=1, simd=0).images
     for threads, simd in ((1, 1), (2, 1), (3, 0), (8, 1)):
@@ -337,12 +343,12 @@ def test_extremes_stay_finite(search):
     layers["combined"][:, ::2], layers["combined"][:, 1::2] = most, -most
     layers["depth"][::2] = 1e-38
     layers["controls"][:, ::4, :2] = -1
-    wide = {f"width_{source}": most for source in reference.SOURCES}
-    none = (dict(line_gain=0.0), dict(line_intensity=0.0), dict(line_thickness=0.0), dict(line_max_thickness=0.0))
-    some = (dict(line_intensity=most), dict(line_gain=most, line_intensity=most), dict(line_tint=0.5), wide,
-            dict(line_depth_distance=most, line_light=1.0, shade_exposure=most, **wide), dict(surface_fade=0.5))
+    wide = {width_of(source): most for source in reference.SOURCES}
+    none = (dict(pen_1_steepness=0.0), dict(pen_1_intensity=0.0), dict(line_thickness=0.0), dict(line_thickest=0.0))
+    some = (dict(pen_1_intensity=most), dict(pen_1_steepness=most, pen_1_intensity=most), dict(ink_tint=0.5), wide,
+            dict(line_far_distance=most, ink_in_shade=1.0, shade_exposure=most, **wide), dict(surface_fade=0.5))
     for scene in none + some:
-        scene = dict(SHARP, line_search=search, line_color=(most, 0, 1), **scene)
+        scene = dict(SHARP, line_search=search, ink_color=(most, 0, 1), **scene)
         got = masks.render(layers, scene, outputs=PASSES).images
         assert all(np.isfinite(a).all() for a in got.values())
         if scene in [dict(scene, **n) for n in none]:

@@ -30,9 +30,9 @@ def noise():
 @pytest.mark.parametrize("camera", [None, TURNED, Camera(orthographic=True, height=4.0)])
 @pytest.mark.parametrize("scene", [
     dict(rim_width=5.0),
-    dict(rim_width=6.0, rim_turn=1.0, rim_depth=0.1, rim_spread=100.0),
+    dict(rim_width=6.0, rim_facing=1.0, rim_depth=0.1, rim_spread=100.0),
     dict(rim_width=5.0, rim_spread=70.0, rim_angle=20.0, rim_softness=0.7, rim_tint=0.5, rim_strength=0.7),
-    dict(rim_space="WORLD", rim_angle=70.0, rim_elevation=50.0, rim_spread=60.0, rim_turn=0.5,
+    dict(rim_space="WORLD", rim_angle=70.0, rim_elevation=50.0, rim_spread=60.0, rim_facing=0.5,
          length_unit="RELATIVE", rim_width=150.0),
 ])
 def test_agrees_with_the_reference(scene, camera, layers):
@@ -71,7 +71,7 @@ def ball(size=129, radius=50.3, wall=None):
 
 def covered(layers, scene, **how):
     """How much of each pixel white paint covers."""
-    return (draw(layers, dict(RIM, rim_turn=1.0, **scene), **how)[..., 0] - 0.2) / 0.8
+    return (draw(layers, dict(RIM, rim_facing=1.0, **scene), **how)[..., 0] - 0.2) / 0.8
 
 
 @pytest.mark.parametrize("width", [1.5, 4.0, 8.0])
@@ -87,7 +87,7 @@ def test_the_band_is_as_wide_as_asked_everywhere(width):
 def test_a_band_by_form_ends_where_the_surface_has_turned(turn):
     layers, far, _, _ = ball()
     share = covered(layers, dict(rim_width=60.0)) > 0.5
-    formed = (draw(layers, dict(RIM, rim_turn=turn, rim_width=60.0))[..., 0] - 0.2) / 0.8 > 0.5
+    formed = (draw(layers, dict(RIM, rim_facing=turn, rim_width=60.0))[..., 0] - 0.2) / 0.8 > 0.5
     assert share[far < 49].all()
     inner = 50.3 * np.sqrt(1 - turn**2)
     assert formed[(far > inner + 1) & (far < 49)].all() and not formed[far < inner - 1].any()

@@ -50,8 +50,8 @@ def test_specks_that_lines_leave_are_filled_in_what_shows_lines_as_well():
     layers = page()
     layers["object"] = np.zeros((40, 60, 1), np.float32)
     layers["object"][10:12, 10:12], layers["object"][10:30, 30:50] = 1, 2  # a nail and a box
-    scene = dict(SPECKS, use_lines=True, line_color=(1.0, 1.0, 1.0), line_thickness=2.0, line_paper=0.0,
-                 line_softness=0.0, edge_detector="SOBEL", speck_size=7.0)
+    scene = dict(SPECKS, use_lines=True, ink_color=(1.0, 1.0, 1.0), line_thickness=2.0, pen_1_grain=0.0,
+                 pen_1_softness=0.0, edge_detector="SOBEL", speck_size=7.0)
     want, plain = reference(layers, scene), reference(layers, scene | dict(use_specks=False))
     sure = ~want["unsure"]
     got = masks.render(layers, scene, (), outputs=("Combined", "Encre Lines", "Encre Surface")).images

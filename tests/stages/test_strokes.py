@@ -40,7 +40,7 @@ def test_twin_of_strokes_over_what_is_torn():
 @pytest.mark.parametrize("size", [(70, 50), (80, 54)])
 def test_strokes_toward_the_light(size):
     """Down the ball from there, and as the reference has them; over the edges of the box none turns to lie along it."""
-    scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="LIGHT", tone_light_turn=-120.0, tone_light_height=50.0,
+    scene = dict(ALONE, shade_levels=LEVELS, tone_strokes="LIGHT", tone_light_direction=-120.0, tone_light_height=50.0,
                  **sticks.tone("HATCH", space="SURFACE", pitch=8.3, angle=0.0))
     twins(ramped(*size), scene)
 
@@ -174,7 +174,7 @@ def test_ink_of_strokes_is_what_was_asked_for_whichever_way_they_go(turn):
     """Also along the rows of the lattice on which they begin."""
     for dark in RAMP[2:-2]:
         ink = flat(dark, (340, 340), tone_1="HATCH", tone_1_pitch=8.0, tone_1_angle=0.0, tone_strokes="LIGHT",
-                   tone_light_turn=turn, tone_light_height=0)[70:-70, 70:-70]
+                   tone_light_direction=turn, tone_light_height=0)[70:-70, 70:-70]
         assert abs(ink.mean() - dark) < 0.03, (dark, ink.mean())
 
 

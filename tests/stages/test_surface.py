@@ -17,7 +17,7 @@ from randomly import CONTROLS, random_layers
 from reference import render as reference
 
 # Edges between objects alone are the same in float32 and float64, so that smudging can be judged everywhere.
-SIMPLE = dict(use_lines=False, edge_depth=0, edge_normal=0, length_unit="PIXELS")
+SIMPLE = dict(use_lines=False, line_inner_strength=0, line_crease_strength=0, length_unit="PIXELS")
 ONLY_SHADING = dict(SIMPLE, use_smudging=False, use_hatching=False)
 ONLY_SMUDGING = dict(SIMPLE, use_shading=False, use_hatching=False)
 ONLY_HATCHING = dict(SIMPLE, use_shading=False, use_smudging=False)
@@ -25,8 +25,8 @@ TONES = [(0.2, 0.9, 0.8, 1.0), (0.6, 0.3, 0.4, 1.0, 0.9, 0.8), (0.9, 0.8, 0.2, 1
 STYLES = [
     dict(shade_levels=TONES, shade_tint=(0.2, 0.5, 0.9), shade_tint_weight=0.4, shade_saturation=0.3,
          shade_exposure=1.3, shade_strength=0.8, hatch_amount=1.2, hatch_color=(0.3, 0.1, 0.0),
-         smudge_range=25.0, smudge_pick=3.0, smudge_falloff=0.2, smudge_speed=2.0),
-    dict(use_shading=False, hatch_color_threshold=0.9, hatch_light_threshold=0.0, smudge_depth=0.4, smudge_speed=0.5),
+         smudge_range=25.0, smudge_pick=3.0, smudge_falloff=0.2, smudge_curve=2.0),
+    dict(use_shading=False, hatch_color_threshold=0.9, hatch_light_threshold=0.0, smudge_depth=0.4, smudge_curve=0.5),
 ]
 SIZES = [(89, 257), (1, 1), (1, 40), (40, 1)]
 

@@ -433,7 +433,7 @@ def test_dots_of_manga_are_thinner_than_its_inner_contours():
     """A nose and lips among dots as wide as they were dots themselves."""
     values = presets.find("Manga").values
     dot = 2 * values["tone_2_pitch"] * ((1 - values["shade_levels"][1][0]) / np.pi) ** 0.5
-    assert dot < 0.8 * values["line_thickness"] * values["width_depth"]
+    assert dot < 0.8 * values["line_thickness"] * values["line_inner_width"]
 
 
 def test_about_letters_in_coloured_blacks_their_ground_keeps_its_hue():
@@ -569,7 +569,7 @@ def test_frames_alone_and_in_sequence_are_the_same_bytes():
     screens = [sticks.tone(kind, space=space, pitch=8.0, image="tile")
                for kind, space in itertools.product(kinds.split(), spaces.split())]
     looks = [*(ALONE | sticks.RAMP | screen for screen in screens),
-             *(hands.PLAIN | pen | dict(pen_hold=2) for pen in hands.PENS.values()),
+             *(hands.PLAIN | pen | dict(pen_1_hold=2) for pen in hands.PENS.values()),
              ALONE | dict(use_tones=False, use_example=True, example_ball="IMAGE", example_image="ball"),
              *(dict(paper_seed=seed, use_tones=True) for seed in range(2))]
     poses = [sticks.posed(pan=0.03 * k, turn=0.1 * k) for k in range(2)]

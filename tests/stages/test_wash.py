@@ -85,7 +85,8 @@ def test_colour_runs_on_beyond_a_line_of_ink():
     """As watercolour does over waterproof ink: the line stays as it is, and beyond it is colour from its other side."""
     layers = halves()
     layers["object"] = np.float32(np.arange(80) >= 40)[None, :, None] * np.ones((40, 1, 1), np.float32) + 1
-    inked = dict(WASH, **PLAIN, use_lines=True, edge_color=0, line_thickness=6.0, line_softness=0.0, line_paper=0.0,
+    inked = dict(WASH, **PLAIN, use_lines=True, line_color_strength=0, line_thickness=6.0, pen_1_softness=0.0,
+                 pen_1_grain=0.0,
                  wash_bleed_width=16.0)
     names = "Combined", "Encre Lines"
     dry, wet = (library.render(layers, dict(inked, wash_bleed=bleed), outputs=names).images for bleed in (0.0, 1.0))

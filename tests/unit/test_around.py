@@ -31,7 +31,7 @@ def test_pieces_cover_what_is_around(inner, reach):
 def test_cells_of_a_part_are_those_of_the_frame():
     """Lines between colours thin out by what their cells hold: by other ones in a part that begins elsewhere."""
     assert f"enum {{ CELL = {CELL} }};" in (Path(__file__).parents[2] / "csrc" / "fine" / "fine.h").read_text()
-    layers, scene = textures(160, 120), {"edge_detector": "FINE", "edge_color": 1.0, "length_unit": "PIXELS"}
+    layers, scene = textures(160, 120), {"edge_detector": "FINE", "line_color_strength": 1.0, "length_unit": "PIXELS"}
     layers["color"] = layers["albedo"] = np.ascontiguousarray(layers["color"][::8, ::8].repeat(8, 0).repeat(8, 1))
     whole = library.render(layers, scene, outputs=["Encre Lines"]).images["Encre Lines"]
     differ = []
@@ -52,21 +52,21 @@ def test_reach_follows_the_settings():
     assert Settings({**wide, "length_unit": "PIXELS"}).reach(2160) == Settings(wide).reach(1080)
     assert Settings(thin, [("Bold", {"line_thickness": 20})]).reach(1080) == Settings(wide).reach(1080)
     assert Settings({**thin, "use_smudging": True, "smudge_range": 100}).reach(1080) > 200
-    for source in ("color", "light", "seen"):  # whether a line is too short tells all of it, of what is drawn
-        off = {**thin, f"edge_{source}": 0.0}
-        short = {**off, f"{source}_length": 200.0}
+    for kind in ("color", "shadow", "mirror"):  # whether a line is too short tells all of it, of what is drawn
+        off = {**thin, f"line_{kind}_strength": 0.0}
+        short = {**off, f"line_{kind}_shortest": 200.0}
         assert Settings(short).reach(1080) == Settings(off).reach(1080)
-        assert Settings({**short, f"edge_{source}": 1.0}).reach(1080) - Settings(off).reach(1080) == 200
+        assert Settings({**short, f"line_{kind}_strength": 1.0}).reach(1080) - Settings(off).reach(1080) == 200
 
 
 @pytest.mark.parametrize("detector", ["FINE", "DOG"])
 @pytest.mark.parametrize("painted, values", [
     (1, dict(line_thickness=12)),
-    (1, dict(line_thickness=8, line_depth_distance=8.0, line_depth_unit="SCENE")),
-    (0, dict(line_thickness=4, width_object=8.0, line_depth_distance=16.0, line_depth_unit="SCENE")),
-    (0, dict(line_thickness=20, line_depth_distance=16.0, line_depth_unit="SCENE", line_depth_most=8.0)),
-    (1, dict(line_thickness=6, line_light=-1.0)),
-    (0, dict(line_thickness=10, pen_pressure=1.0, pen_rough=4.0, pen_wobble=6.0)),
+    (1, dict(line_thickness=8, line_far_distance=8.0, line_far_unit="SCENE")),
+    (0, dict(line_thickness=4, line_outline_width=8.0, line_far_distance=16.0, line_far_unit="SCENE")),
+    (0, dict(line_thickness=20, line_far_distance=16.0, line_far_unit="SCENE", line_far_thickest=8.0)),
+    (1, dict(line_thickness=6, ink_in_shade=-1.0)),
+    (0, dict(line_thickness=10, pen_1_pressure=1.0, pen_1_rough=4.0, pen_1_wobble=6.0)),
 ])
 def test_a_part_with_what_it_depends_on_is_drawn_as_the_whole(detector, painted, values):
     """One edge; parts of the frame that begin the nearer to it the farther its line reaches."""
@@ -103,7 +103,7 @@ def test_a_part_has_lines_that_thin_out_in_a_crowd_as_in_the_whole(scale):
                   color=np.where(odd[:, None], np.float32([0.2, 0.3, 0.5]), np.float32([0.7, 0.6, 0.4])) * flat,
                   normal=flat * np.float32([0, 0, 1]), object=flat[..., 0])
     off = dict.fromkeys(("use_shading", "use_smudging", "use_hatching"), False)
-    scene = {**off, "edge_color": 5.0, "line_thickness": 2.0, "line_max_thickness": 2.0, "length_unit": "MM",
+    scene = {**off, "line_color_strength": 5.0, "line_thickness": 2.0, "line_thickest": 2.0, "length_unit": "MM",
              "page_height": height / scale}
     reach = Settings(scene).reach(height)
     whole = library.render(layers, scene, frame=Frame(width, height)).images["Combined"]

@@ -275,7 +275,7 @@ def lone_edge(width, height, x, y):
 def test_a_border_of_a_high_frame():
     """Its lines may be wider than 16 bits hold, the way to an edge in it can't be longer. Where it has no edge there is
     none."""
-    wide = dict(edge_detector="SOBEL", line_search="NEAREST", line_thickness=4096.0, line_max_thickness=4096.0)
+    wide = dict(edge_detector="SOBEL", line_search="NEAREST", line_thickness=4096.0, line_thickest=4096.0)
     empty = {name: np.zeros_like(a) for name, a in lone_edge(8, 8, 3, 3).items()}
     for layers in (drawn.scene(8, 8), lone_edge(8, 8, 3, 3), empty):
         got = [load().render(layers, wide, frame=Frame(30720, height, 9, 9)).images["Combined"]
@@ -288,12 +288,12 @@ def test_a_border_of_a_high_frame():
     (search, reach, far) for search in ("NEAREST", "EXACT") for reach in (4096.0, 100.0) for far in (39999, 20000)])
 def test_long_ways_to_an_edge(search, reach, far):
     """In a picture of 40000 pixels, lines that go on for all of it: EXACT draws them, NEAREST says that it can't."""
-    scene = dict(edge_detector="SOBEL", line_search=search, line_thickness=reach, line_max_thickness=reach,
-                 line_softness=0.0, line_paper=0.0, width_object=1.0)
+    scene = dict(edge_detector="SOBEL", line_search=search, line_thickness=reach, line_thickest=reach,
+                 pen_1_softness=0.0, pen_1_grain=0.0, line_outline_width=1.0)
     layers = lone_edge(40000, 1, far, 0)
     frame = Frame(40000, 17280)
     if search == "NEAREST" and reach == 4096:
-        with pytest.raises(EncreError, match="line_max_thickness.*smudge_range.*; give less"):
+        with pytest.raises(EncreError, match="line_thickest.*smudge_range.*; give less"):
             load().render(layers, scene, frame=frame)
         return
     ink = load().render(layers, scene, outputs=["Encre Lines"], frame=frame).images["Encre Lines"][0, :, 3]

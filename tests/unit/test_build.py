@@ -24,11 +24,13 @@ from encre.pen.library import Library, load
 ROOT = Path(__file__).parents[2]
 SETTINGS = [
     {},
-    dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, contrast_metric="CMC", edge_color=2.0),
-    dict(edge_color=3.0, edge_light=4.0, line_thickness=30.0, line_tint=0.5, contrast_metric="CIEDE2000",
+    dict(edge_detector="SOBEL", line_search="NEAREST", contrast_local=True, contrast_metric="CMC",
+         line_color_strength=2.0),
+    dict(line_color_strength=3.0, line_shadow_strength=4.0, line_thickness=30.0, ink_tint=0.5,
+         contrast_metric="CIEDE2000",
          color_layer="LIT"),
     dict(edge_detector="DOG", line_search="WALK",
-         depth_space="LINEAR", color_detector="DOG", edge_color=1.0, paper_scale=2.5),
+         depth_space="LINEAR", color_detector="DOG", line_color_strength=1.0, paper_scale=2.5),
 ]
 
 

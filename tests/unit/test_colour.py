@@ -33,9 +33,9 @@ def test_settings_have_their_colours_in_rec709_and_pictures_in_theirs():
     for space in ("lin_rec2020_scene", "lin_ap1_scene"):
         there = colour.from_rec709(red, space)
         assert np.abs(colour.to_rec709(space) @ there - red).max() < 1e-6 and abs(there[0] - red[0]) > 0.1
-        given = Settings({"line_color": red, "shade_levels": [(0.5, 0, 0), (1, 0.5, 0.1, *red)]}, (), space)
-        assert given.scene["line_color"] == red
-        assert np.allclose(given.every[0]["line_color"], there)
+        given = Settings({"ink_color": red, "shade_levels": [(0.5, 0, 0), (1, 0.5, 0.1, *red)]}, (), space)
+        assert given.scene["ink_color"] == red
+        assert np.allclose(given.every[0]["ink_color"], there)
         assert np.allclose(given.every[0]["shade_levels"][1], (1, 0.5, 0.1, *there))
         assert np.allclose(given.every[0]["paper_color"], 1, atol=1e-6), "white stays white"
     assert colour.from_rec709(red, "") == red

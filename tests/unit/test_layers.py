@@ -121,8 +121,8 @@ def test_depth_of_what_is_seen(orthographic):
 
 
 def test_seen_lines_are_wanted_only_where_they_are_drawn():
-    for scene, styles, wanted in (({}, [], True), ({"edge_seen": 0.0}, [], False),
-                                  ({"edge_seen": 0.0}, [{"edge_seen": 1.0}], True),
+    for scene, styles, wanted in (({}, [], True), ({"line_mirror_strength": 0.0}, [], False),
+                                  ({"line_mirror_strength": 0.0}, [{"line_mirror_strength": 1.0}], True),
                                   ({"edge_detector": "DOG"}, [], False),
                                   ({"use_lines": False}, [], True),
                                   ({"use_lines": False, "use_smudging": False}, [], False)):
@@ -382,7 +382,7 @@ def test_what_is_active():
     assert asked({}).wants_light and not asked(off).wants_light
     assert asked({}).denoises and not asked({"light_denoise": "NONE"}).denoises
     assert not asked({**off, "use_lines": True}).wants_light
-    assert asked({**off, "use_lines": True}, {"edge_light": 1.0}).wants_light
+    assert asked({**off, "use_lines": True}, {"line_shadow_strength": 1.0}).wants_light
     assert asked({"supersample": 2}).factor == 2 and asked({**off, "supersample": 2}).factor == 1
     assert asked({**off, "supersample": 2, "layer_source": "ENCRE"}).factor == 2
 

@@ -88,8 +88,8 @@ BEHIND = background, twice
 JOBS = [(background, {}), (twice, {}), (twice, dict(edge_detector="DOG", line_search="WALK")), (light, {}),
         (render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
         (render, dict(edge_detector="DOG", line_search="WALK")),
-        (render, dict(edge_detector="DOG", line_search="DILATE", contrast_auto=True)), (raster, {}), (chains, {}),
-        (bake, {}), (bake, dict(contrast_auto=True))]
+        (render, dict(edge_detector="DOG", line_search="DILATE", contrast_local=True)), (raster, {}), (chains, {}),
+        (bake, {}), (bake, dict(contrast_local=True))]
 
 
 @pytest.mark.parametrize("job, settings", JOBS)

@@ -61,11 +61,11 @@ def test_files_of_older_versions_keep_their_look():
     older = {"version": 1, "scene": {"edge_threshold": 0.25}}
     read = metadata.read({"encre.params": json.dumps(older)})
     assert read.scene == {"edge_threshold": 0.25, "crease_source": "LAYERS", **since(1)}
-    assert since(1)["line_depth_unit"] == "SCENE" and since(VERSION) == {}
+    assert since(1)["line_far_unit"] == "SCENE" and since(VERSION) == {}
     read = metadata.read({"encre.params": json.dumps({**older, "settings": 1})})
     assert read.scene == {"edge_threshold": 0.25, **since(1)}
-    older["scene"]["line_depth_unit"] = "RELATIVE"
-    assert metadata.read({"encre.params": json.dumps(older)}).scene["line_depth_unit"] == "RELATIVE"
+    older["scene"]["line_far_unit"] = "RELATIVE"
+    assert metadata.read({"encre.params": json.dumps(older)}).scene["line_far_unit"] == "RELATIVE"
 
 
 def test_stand_alone():

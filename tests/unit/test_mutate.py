@@ -61,17 +61,18 @@ def pictures(library):
     layers["style"] = (layers["object"] % 3 == 0).astype(np.float32)
     layers["seen_color"], layers["seen_normal"], layers["seen_depth"] = (
         np.ascontiguousarray(layers[name][:, ::-1]) for name in ("albedo", "normal", "depth"))
-    fine = dict(edge_detector="FINE", edge_color=2.0, edge_light=3.0, edge_seen=2.0)
+    fine = dict(edge_detector="FINE", line_color_strength=2.0, line_shadow_strength=3.0, line_mirror_strength=2.0)
     made = []
-    for scene in ({**fine, "line_taper": 9.0, "pen_overshoot": 6.0, "pen_pool": 1.0, "pen_curve": 0.5},
+    for scene in ({**fine, "pen_1_taper": 9.0, "pen_1_overshoot": 6.0, "pen_1_pool": 1.0, "pen_1_curve": 0.5},
                   {"use_tones": True, "tone_1": "HATCH", "tone_2": "STIPPLE", "tone_3": "DOTS"},
-                  {**fine, "line_thickness": 1.0, "line_softness": 0.0}, {},
-                  dict(edge_detector="SOBEL", line_search="NEAREST", contrast_auto=True, contrast_metric="CMC",
-                       edge_color=1.0),
-                  dict(edge_color=3.0, edge_light=4.0, line_thickness=30.0, line_tint=0.5, color_layer="LIT",
+                  {**fine, "line_thickness": 1.0, "pen_1_softness": 0.0}, {},
+                  dict(edge_detector="SOBEL", line_search="NEAREST", contrast_local=True, contrast_metric="CMC",
+                       line_color_strength=1.0),
+                  dict(line_color_strength=3.0, line_shadow_strength=4.0, line_thickness=30.0, ink_tint=0.5,
+                       color_layer="LIT",
                        contrast_metric="CIEDE2000"),
                   dict(edge_detector="DOG", line_search="WALK", depth_space="LINEAR", color_detector="DOG",
-                       edge_color=1.0, paper_scale=2.5)):
+                       line_color_strength=1.0, paper_scale=2.5)):
         made += library.render(layers, scene, [dict(shade_exposure=1.4)], outputs=list(library.outputs),
                                threads=2).images.values()
     rng = np.random.default_rng(1)

@@ -13,9 +13,10 @@ from encre.pen.job import Camera, Frame
 from encre.pen.library import load
 
 WIDTH, HEIGHT = 96, 64
-LOOKS = {"FINE": {}, "FINE, all sources": dict(edge_light=1.0, edge_color=0.7, edge_material=1.0, contrast_auto=True),
+LOOKS = {"FINE": {}, "FINE, all sources": dict(line_shadow_strength=1.0, line_color_strength=0.7,
+                                               line_material_strength=1.0, contrast_local=True),
          "DOG": dict(edge_detector="DOG", line_search="WALK"),
-         "SOBEL": dict(edge_detector="SOBEL", line_search="NEAREST", edge_light=1.0, edge_color=1.0)}
+         "SOBEL": dict(edge_detector="SOBEL", line_search="NEAREST", line_shadow_strength=1.0, line_color_strength=1.0)}
 OUTPUTS = ("Combined", "Encre Lines")
 
 
@@ -27,7 +28,8 @@ def layers_of(width=WIDTH, height=HEIGHT):
 
 
 def work(layers, values, same=0, outputs=OUTPUTS, **more):
-    styles = [dict(line_thickness=14.0, edge_normal=0.5, edge_light=values.get("edge_light", 0.0))]
+    styles = [dict(line_thickness=14.0, line_crease_strength=0.5,
+                   line_shadow_strength=values.get("line_shadow_strength", 0.0))]
     return load().draw_work(layers, load().complete(load().check(values), styles), outputs=outputs, same=same, **more)
 
 
@@ -89,7 +91,8 @@ def lines(images):
 @pytest.mark.parametrize("look", LOOKS.values(), ids=LOOKS)
 def test_edges_are_found_once_for_what_is_the_same(look):
     """What is told to be the same is not looked at: in truth there is no edge any more."""
-    look = {**look, "edge_light": 0.0, "edge_color": 0.0, "edge_material": 0.0, "edge_seen": 0.0}
+    look = {**look, "line_shadow_strength": 0.0, "line_color_strength": 0.0, "line_material_strength": 0.0,
+            "line_mirror_strength": 0.0}
     layers, behind = layers_of(), Background(2)
     many = lines(draw(behind, layers, look, 1))
     assert many > 50
@@ -97,7 +100,7 @@ def test_edges_are_found_once_for_what_is_the_same(look):
     for change in (dict(line_thickness=9.0), dict(paper_roughness=0.1), dict(shade_strength=0.3),
                    dict(use_hatching=False)):
         assert lines(draw(behind, layers, {**look, **change}, 1)) > many / 2, change
-    for found_anew in dict(edge_threshold=0.4), dict(line_min_length=30.0):
+    for found_anew in dict(edge_threshold=0.4), dict(line_shortest=30.0):
         layers = layers_of()
         assert lines(draw(behind, layers, look, 3)) == many
         blank(layers)

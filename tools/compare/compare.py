@@ -13,8 +13,8 @@ TITLES = {"plain": "Plain", "baked": "Baked lines", "dynamic": "Dynamic lines", 
 SAID = {"plain": "no lines", "baked": "between colours drawn into the textures; silhouettes in the frame",
         "dynamic": "all drawn in the frame", "freestyle": "Blender's own, silhouettes and creases",
         "line_art": "Blender's own, silhouettes and creases"}
-SETTINGS = ("edge_detector", "line_thickness", "line_depth_distance", "line_depth_unit", "contrast_metric",
-            "contrast_threshold", "contrast_max", "contrast_auto")
+SETTINGS = ("edge_detector", "line_thickness", "line_far_distance", "line_far_unit", "contrast_metric",
+            "contrast_threshold", "contrast_full", "contrast_local")
 BESIDE = ("", "_crops", "_blender")  # what stands before the ending of a frame's pictures; only the first: quadrants
 PAPER = 0.96  # grey of the caption
 CROPS = 3     # details that are shown, each a quarter of the frame each way

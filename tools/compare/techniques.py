@@ -116,7 +116,7 @@ class BakedSet:
             self.seconds = time.perf_counter() - start
         with contextlib.ExitStack() as stack:
             for group in baked.groups(scene):
-                stack.enter_context(changed(group, edge_color=0))
+                stack.enter_context(changed(group, line_color_strength=0))
             for task, images in self.levels:
                 for node in task.nodes if images else ():
                     stack.enter_context(changed(node, image=images[0]))

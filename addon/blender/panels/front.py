@@ -138,7 +138,7 @@ def _lines(layout, settings):
     row = _named(layout, n_("Thickness"))
     row.prop(settings, "line_thickness", text="")
     row.prop(settings, "length_unit", text="")
-    _named(layout, n_("Ink")).prop(settings, "line_color", text="")
+    _named(layout, n_("Ink")).prop(settings, "ink_color", text="")
     for names in (front.SHOWN[:3], front.SHOWN[3:]):
         row = layout.row(align=True)
         for name in names:

@@ -4,15 +4,12 @@
 from ...pen.params import LINES
 from ..languages import n_
 
-# By the words of line_pen_... and line_color_...: (toggle of front.py, parameter of the width).
-KINDS = {"outline": ("outlines", "width_object"), "contact": ("contacts", "width_contact"),
-         "inner": ("inner", "width_depth"), "crease": ("creases", "width_normal"),
-         "intersection": ("intersections", "width_intersection"), "suggestive": ("folds", "width_suggestive"),
-         "material": ("materials", "width_material"), "color": ("colors", "width_color"),
-         "light": ("shadows", "width_light"), "seen": ("mirrors", "width_seen"), "mark": ("marks", "width_mark")}
-IDS = {*(width for _, width in KINDS.values()), *(f"line_pen_{kind}" for kind in KINDS),
-       *(f"line_color_{kind}" for kind in KINDS), "line_color_by_kind"}
-assert KINDS.keys() >= set(LINES)
+# {kind: toggle of front.py}
+KINDS = {"outline": "outlines", "contact": "contacts", "inner": "inner", "crease": "creases",
+         "intersection": "intersections", "suggestive": "folds", "material": "materials", "color": "colors",
+         "shadow": "shadows", "mirror": "mirrors", "mark": "marks"}
+IDS = {*(f"line_{kind}_{what}" for kind in KINDS for what in ("width", "pen", "ink")), "ink_by_kind"}
+assert KINDS.keys() == set(LINES)
 
 
 def draw(layout, scene):
@@ -20,21 +17,21 @@ def draw(layout, scene):
     layout.use_property_split = False
     layout.use_property_decorate = False
     column = layout.column(align=True)
-    _cells(column, n_("Kind"), n_("Width"), n_("Pen"), n_("Ink") if scene.line_color_by_kind else "")
-    for kind, (toggle, width) in KINDS.items():
+    _cells(column, n_("Kind"), n_("Width"), n_("Pen"), n_("Ink") if scene.ink_by_kind else "")
+    for kind, toggle in KINDS.items():
         split = column.split(factor=0.4, align=True)
         split.prop(scene, f"draw_{toggle}")
         row = split.row(align=True)
         row.active = getattr(scene, f"draw_{toggle}") and scene.use_lines
-        row.prop(scene, width, text="")
+        row.prop(scene, f"line_{kind}_width", text="")
         pen = row.row(align=True)
         pen.active = scene.edge_detector == "FINE"
-        pen.prop(scene, f"line_pen_{kind}", text="")
-        if scene.line_color_by_kind:
+        pen.prop(scene, f"line_{kind}_pen", text="")
+        if scene.ink_by_kind:
             ink = row.row(align=True)
             ink.ui_units_x = 2
-            ink.prop(scene, f"line_color_{kind}", text="")
-    layout.prop(scene, "line_color_by_kind")
+            ink.prop(scene, f"line_{kind}_ink", text="")
+    layout.prop(scene, "ink_by_kind")
 
 
 def _cells(column, *texts):

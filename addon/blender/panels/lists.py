@@ -13,7 +13,7 @@ from .rows import draw_params
 
 class ENCRE_UL_pens(bpy.types.UIList):
     def draw_item(self, _context, layout, _data, item, _icon, scene, _active, index=0, _flag=0):
-        layout.active = any(PENS[getattr(scene, f"line_pen_{kind}")] == item.identifier for kind in LINES)
+        layout.active = any(PENS[getattr(scene, f"line_{kind}_pen")] == item.identifier for kind in LINES)
         layout.prop(scene, f"{item.identifier}_called", text="", emboss=False, icon="GREASEPENCIL")
 
 

@@ -47,23 +47,25 @@ def _rim_lamp(layout, scene):
 
 GROUPS = (
     Group("lines", n_("Lines"), ("edges", "lines", "kinds"),
-          ("line_thickness", "length_unit", "page_height", "line_color", "crease_angle", "crease_smooth"), (
+          ("line_thickness", "length_unit", "page_height", "ink_color", "crease_angle", "crease_angle_smooth"), (
               Fold("strength", n_("Strength of Lines"), (
-                  "edge_object", "edge_depth", "edge_normal", "edge_bump", "edge_material", "edge_color", "edge_light",
-                  "edge_suggestive", "edge_seen", "edge_mark")),
+                  "line_outline_strength", "line_inner_strength", "line_crease_strength", "crease_bumps",
+                  "line_material_strength", "line_color_strength", "line_shadow_strength",
+                  "line_suggestive_strength", "line_mirror_strength", "line_mark_strength")),
               Fold("small", n_("Small and Crowded Lines"), (
-                  "line_min_length", "color_length", "light_length", "seen_length", "suggestive_length",
-                  "suggestive_scale", "line_density", "line_fewer")),
+                  "line_shortest", "line_color_shortest", "line_shadow_shortest", "line_mirror_shortest",
+                  "line_suggestive_shortest",
+                  "suggestive_size", "line_density", "line_fewer")),
               Fold("outlines", n_("Outlines and Gaps"), (
-                  "line_smooth", "width_outer", "line_gap", "line_halo", "line_halo_color")),
+                  "line_smooth", "line_outer_width", "line_gap", "line_halo", "line_halo_color")),
               Fold("far", n_("Near and Far"), (
-                  "line_depth_distance", "line_depth_unit", "line_depth_most", "line_depth_least",
-                  "line_max_thickness")),
+                  "line_far_distance", "line_far_unit", "line_far_thickest", "line_far_thinnest",
+                  "line_thickest")),
               Fold("ink", n_("Ink by Light"), (
-                  "line_light", "line_tint", "line_tint_value", "ink_on_dark", "ink_dark_color", "ink_dark_threshold",
-                  "ink_dark_width", "ink_dark_colors", "line_lit", "line_lit_color", "surface_fade"))),
+                  "ink_in_shade", "ink_tint", "ink_tint_value", "ink_on_dark", "ink_dark_color", "ink_dark_threshold",
+                  "ink_dark_width", "ink_dark_colors", "ink_in_light", "ink_light_color", "surface_fade"))),
           "use_lines", kinds.draw),
-    Group("pens", n_("Pens"), ("pen", "pen_2", "pen_3"), draw=lists.draw_pens),
+    Group("pens", n_("Pens"), ("pen_1", "pen_2", "pen_3"), draw=lists.draw_pens),
     Group("shade", n_("Shade and Light"), ("shade",),
           ("shade_levels", "shade_tint", "shade_tint_weight", "shade_saturation", "shade_strength", "shade_exposure",
            "shade_meter", "meter_light", "meter_shade"), (
@@ -84,9 +86,9 @@ GROUPS = (
     Group("layers", n_("Layers and Quality"), ("layers",),
           ("layer_source", "light_source", "supersample", "world_shadows"), draw=layers.draw),
     Group("detectors", n_("Detectors of the Theses"), (), (
-        "edge_detector", "edge_threshold", "edge_sigma", "depth_space", "depth_near", "depth_far",
-        "sobel_shape_threshold", "color_layer", "color_detector", "contrast_metric", "contrast_threshold",
-        "contrast_max", "contrast_auto", "contrast_window", "line_search", "line_occlude", "crease_source")),
+        "edge_detector", "edge_threshold", "edge_blur", "depth_space", "depth_near", "depth_far",
+        "sobel_crease_threshold", "color_layer", "color_detector", "contrast_metric", "contrast_threshold",
+        "contrast_full", "contrast_local", "contrast_window", "line_search", "line_occlude", "crease_source")),
 )
 # What is drawn by other means than a row: the switches, which are check boxes, and what kinds.draw() shows.
 _ELSEWHERE = {*kinds.IDS}

@@ -13,7 +13,7 @@ from .. import bake, properties, subject, triangles
 
 def check(scene):
     """Raises EncreError where there are no lines between colors that could be in textures."""
-    if not (scene.encre.use_lines and scene.encre.edge_color and scene.encre.width_color):
+    if not (scene.encre.use_lines and scene.encre.line_color_strength and scene.encre.line_color_width):
         raise EncreError("the scene draws no lines between colors, which are what is compared; add --preset "
                          "inter_color, or apply the preset Inter-color")
     if not bake.tasks(scene.objects):
@@ -24,8 +24,8 @@ def check(scene):
 
 def groups(scene):
     """The scene's settings and those styles' that change how strong lines between colors are: where the textures have
-    these, `edge_color` of all of them is 0."""
-    return [scene.encre, *(style for style in scene.encre.styles if style.is_property_set("edge_color"))]
+    these, `line_color_strength` of all of them is 0."""
+    return [scene.encre, *(style for style in scene.encre.styles if style.is_property_set("line_color_strength"))]
 
 
 def surface(task, depsgraph):
@@ -75,8 +75,8 @@ def projection_of(scene):
 
 def full_distance(scene):
     """Where a line of the frame has its full width, in scene units; 0: everywhere."""
-    distance, depsgraph = scene.encre.line_depth_distance, bpy.context.evaluated_depsgraph_get()
-    if distance and scene.encre.line_depth_unit == "RELATIVE":
+    distance, depsgraph = scene.encre.line_far_distance, bpy.context.evaluated_depsgraph_get()
+    if distance and scene.encre.line_far_unit == "RELATIVE":
         camera = scene.camera.evaluated_get(depsgraph)
         view = np.array(camera.matrix_world.normalized().inverted())
         distance *= subject.read(depsgraph, camera).distance(view, projection_of(scene)[0])
@@ -91,7 +91,7 @@ def pixels_per_metre(scene):
         return scale
     distance = full_distance(scene)
     if not distance:
-        raise EncreError("baked lines grow thin with distance, those of the frame do not: set line_depth_distance, the "
+        raise EncreError("baked lines grow thin with distance, those of the frame do not: set line_far_distance, the "
                          "distance at which both are equally wide")
     return scale / distance
 

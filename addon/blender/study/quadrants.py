@@ -28,7 +28,7 @@ class Look:
     baked: bool = False
 
     def settings(self, scene, thickness):
-        return looks.own(scene, self.of, thickness, ("edge_color",) if self.baked else ())
+        return looks.own(scene, self.of, thickness, ("line_color_strength",) if self.baked else ())
 
 
 def named(name):

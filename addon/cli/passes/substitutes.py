@@ -171,7 +171,7 @@ def switch_off(names, settings):
         return settings, said
     if not lit(names):
         bare = _bare(settings)
-        off = {"use_hatching": False, "edge_light": 0.0, "line_light": 0.0,
+        off = {"use_hatching": False, "line_shadow_strength": 0.0, "ink_in_shade": 0.0,
                **({"other_light": 0.0} if bare else {"use_shading": False})}
         styles = [(name, {**values, **{id_: value for id_, value in off.items() if id_ in values}})
                   for name, values in settings.styles]

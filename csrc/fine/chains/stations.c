@@ -222,7 +222,7 @@ static bool parts_materials(const stations *s, const station *t)
 static float growth_of(const stations *s, const encre_params *p, station *t)
 {
 	bool smooth = t->kind & ENCRE_CHAIN_SMOOTH;
-	float angle = smooth ? p->crease_smooth : p->crease_angle, more = t->bend - angle;
+	float angle = smooth ? p->crease_angle_smooth : p->crease_angle, more = t->bend - angle;
 	if (t->kind & (ENCRE_CHAIN_MEET | ENCRE_CHAIN_MARK))
 		return 1;
 	if (s->n->e->p->crease_source == crease_source_LAYERS)
@@ -251,7 +251,7 @@ static void judge(const stations *s, station *t)
 	placed made = {.x = (float)(t->x - n->f->place.x), .y = (float)(t->y - n->f->place.y)};
 	float before = clamp01((t->gap / s->px - least_gap) / (full_gap - least_gap));
 	bool bent = flush || (kind & (ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_MEET));
-	float bends = flush && p->edge_pieces ? 1 : bent ? growth_of(s, p, t) : -1;
+	float bends = flush && p->flush_pieces ? 1 : bent ? growth_of(s, p, t) : -1;
 	bool weak = t->flags & STATION_WEAK;
 	bool parts = kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER | ENCRE_CHAIN_MATERIAL | ENCRE_CHAIN_MEET);
 	t->importance = contour                   ? IMPORTANCE_CONTOUR
@@ -344,7 +344,7 @@ static int32_t find_runs(stations *s)
 	s->least_bend[0] = s->least_bend[1] = INFINITY;
 	for (int i = 0; i < n->f->n_styles; i++) {
 		s->least_bend[0] = min(s->least_bend[0], n->f->params[i].crease_angle);
-		s->least_bend[1] = min(s->least_bend[1], least_smooth * n->f->params[i].crease_smooth);
+		s->least_bend[1] = min(s->least_bend[1], least_smooth * n->f->params[i].crease_angle_smooth);
 	}
 	for (int64_t i = 1; i < s->points; i++)
 		runs += follows(s, i) && !follows(s, i - 1);

@@ -68,12 +68,12 @@ bool ISA(crease_asked)(const fine *n, int y)
 /* By how many degrees an edge bends more than it must; negative: it is no line by itself. */
 static float more_than_asked(const encre_params *p, float bend)
 {
-	return bend < 0 ? -bend - p->crease_smooth : bend - p->crease_angle;
+	return bend < 0 ? -bend - p->crease_angle_smooth : bend - p->crease_angle;
 }
 
 static bool goes_on(const encre_params *p, const passing *s)
 {
-	return !s->spread && -s->bend >= least_smooth * p->crease_smooth;
+	return !s->spread && -s->bend >= least_smooth * p->crease_angle_smooth;
 }
 
 bool ISA(crease_site)(const fine *n, const found *at, placed *s)
@@ -139,7 +139,7 @@ bool ISA(crease_flat)(const fine *n, int x, int y, int axis)
 	return x + !axis < n->f->width && y + axis < n->f->height && at.place > 0 && at.bend > 0;
 }
 
-bool ISA(crease_smooth)(const fine *n, const found *at)
+bool ISA(crease_angle_smooth)(const fine *n, const found *at)
 {
 	if (!n->e->creases || at->family != FAMILY_CREASE)
 		return false;

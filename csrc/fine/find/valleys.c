@@ -29,7 +29,7 @@ void ISA(valley_plan)(fine *n, const edges *e, arena *a)
 	size_t pixels = (size_t)f->width * (size_t)f->height;
 	if (!e->on[SOURCE_SUGGESTIVE])
 		return;
-	n->form_sigma = min(max(f->params->suggestive_scale * f->scale, least_sigma), most_sigma);
+	n->form_sigma = min(max(f->params->suggestive_size * f->scale, least_sigma), most_sigma);
 	n->lit_rows = arena_take(a, pixels, sizeof *n->lit_rows);
 	n->lit = arena_take(a, pixels, sizeof *n->lit);
 }

@@ -66,7 +66,7 @@ static bool is_meant(const fine *n, const site *s)
 
 static float least_length(const frame *f, const site *s)
 {
-	return params_at(f, s->placed.near_x, s->placed.near_y)->line_min_length * f->scale;
+	return params_at(f, s->placed.near_x, s->placed.near_y)->line_shortest * f->scale;
 }
 
 /* A place of a contour, of a jump within a thing or of pieces that meet, by itself. */

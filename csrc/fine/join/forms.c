@@ -13,7 +13,7 @@ static const float least_share = 0.1f;               /* of its width: less is no
 
 enum { KNOWN = 1, NEAR = 2, CHUNK = 512 };
 static const float hangs = 1.5f;    /* pixels from place to place of an edge, or where edges meet; test_creases */
-static const float full_across = 2; /* of line_min_length: edges that go so far are as wide as others; test_creases */
+static const float full_across = 2; /* of line_shortest: edges that go so far are as wide as others; test_creases */
 
 /* One that is thinned; RANK_COUNT: it is none, or dropped. */
 static enum rank kind_of(const site *s)
@@ -83,7 +83,7 @@ static bool is_edge_of(const fine *n, const site *s, float object)
 static float share_of_edges(const fine *n, uint8_t *known, uint32_t *open, uint32_t count)
 {
 	const placed *first = &n->site[open[0]].placed;
-	float full = full_across * params_at(n->f, first->near_x, first->near_y)->line_min_length * n->f->scale;
+	float full = full_across * params_at(n->f, first->near_x, first->near_y)->line_shortest * n->f->scale;
 	float object = object_of(n, n->site + open[0]), across = 0;
 	float low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 	uint32_t end = count, owned = 0;
@@ -112,10 +112,10 @@ static float share_of_edges(const fine *n, uint8_t *known, uint32_t *open, uint3
 
 static float full_length(const encre_params *p, enum rank rank)
 {
-	return rank == RANK_FORM    ? p->suggestive_length
-	       : rank == RANK_LIGHT ? p->light_length
-	       : rank == RANK_COLOR ? p->color_length
-				    : p->seen_length;
+	return rank == RANK_FORM    ? p->line_suggestive_shortest
+	       : rank == RANK_LIGHT ? p->line_shadow_shortest
+	       : rank == RANK_COLOR ? p->line_color_shortest
+				    : p->line_mirror_shortest;
 }
 
 /* Of the width, of forms by how clear the clearest is, and by the length of all. Of others below half the length asked
@@ -217,7 +217,7 @@ int32_t ISA(fine_ease_forms)(fine *n)
 			float share = edge ? edges : share_of(n, s, most, length);
 			if (rank_of(s) != RANK_COLOR) {
 				ease(s, share);
-			} else if (params_at(n->f, s->placed.near_x, s->placed.near_y)->color_length > 0) {
+			} else if (params_at(n->f, s->placed.near_x, s->placed.near_y)->line_color_shortest > 0) {
 				color[open[k]] = share;
 				any = true;
 			}

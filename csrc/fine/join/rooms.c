@@ -74,16 +74,16 @@ static bool may_give_way(const fine *n, const site *s)
 
 static float widest(const fine *n, const site *s)
 {
-	return s->found.family == FAMILY_MARK                                 ? wide_mark
-	       : rank_of(s) == RANK_SHAPE || ISA(crease_smooth)(n, &s->found) ? wide_fold
-									      : wide;
+	return s->found.family == FAMILY_MARK                                       ? wide_mark
+	       : rank_of(s) == RANK_SHAPE || ISA(crease_angle_smooth)(n, &s->found) ? wide_fold
+										    : wide;
 }
 
 /* Beside an outline an edge of a form that is shaded smoothly is the same fold as that, once more. */
 static float closes_at(const fine *n, const site *s)
 {
 	if (is_edge(s))
-		return ISA(crease_smooth)(n, &s->found) ? closed_fold : closed_crease;
+		return ISA(crease_angle_smooth)(n, &s->found) ? closed_fold : closed_crease;
 	return rank_of(s) == RANK_SHAPE ? closed_fold : closed_light;
 }
 
@@ -180,7 +180,7 @@ static bool is_double(const fine *n, const site *s, const site *t, const float w
 static float light_room(const fine *n, const site *older, float apart)
 {
 	bool turns = is_chain(older) ? chain_of(n, older)->folded || (chain_of(n, older)->kind & ENCRE_CHAIN_SMOOTH)
-				     : is_fold(n, older) || ISA(crease_smooth)(n, &older->found);
+				     : is_fold(n, older) || ISA(crease_angle_smooth)(n, &older->found);
 	return turns ? max(0, closed_light + (apart - closed_fold) * (wide - closed_light) / (wide_light - closed_fold))
 		     : apart;
 }

@@ -26,7 +26,7 @@ def anchored(out):
     from encre.blender import properties
 
     scene = stage(160, 90, 1, ground=False)
-    scene.encre.save_anchor = "ON"
+    scene.encre.save_rest = "ON"
     bpy.data.objects["Cube"].scale = (0.5, 0.5, 0.5)
     bpy.data.objects["Cube"].rotation_euler = (0.3, 0.2, 0.5)
     maps = bpy.data.objects["Cube"].data.uv_layers
@@ -56,10 +56,10 @@ def anchored(out):
     shoot(out, "own")
     scene.encre.tone_1_space = "FLAT"
     shoot(out, "flat")
-    scene.encre.use_tones, scene.encre.save_anchor = False, "AUTO"
+    scene.encre.use_tones, scene.encre.save_rest = False, "AUTO"
     shoot(out, "without")
     _pinned(twisted)
-    scene.encre.save_anchor = "ON"
+    scene.encre.save_rest = "ON"
     _copies(out, twisted, leaning)
     _written(out)
 

@@ -90,10 +90,10 @@ def bake_lines(out):
     fact("files", sorted(os.listdir(out)))
     fact("original kept", Path(path).read_bytes() == before)
     fact("fit", list(bpy.ops.encre.fit_contrast()))
-    fact("contrast", scene.encre.contrast_max)
+    fact("contrast", scene.encre.contrast_full)
     scene.encre.contrast_metric = "CMC"  # only just set, as a script does
     bpy.ops.encre.fit_contrast()
-    fact("contrast, CMC", scene.encre.contrast_max)
+    fact("contrast, CMC", scene.encre.contrast_full)
 
     def refused(**options):
         try:

@@ -39,7 +39,7 @@ def stripes(out):
     wall.rotation_euler = 0, 0, 0.3
     scene.world = bpy.data.worlds.new("World")
     scene.encre.use_smudging = scene.encre.use_hatching = False
-    scene.encre.edge_light, scene.encre.length_unit, scene.encre.line_thickness = 1, "PIXELS", 2
+    scene.encre.line_shadow_strength, scene.encre.length_unit, scene.encre.line_thickness = 1, "PIXELS", 2
     for level in ((0.2, 0, 0), (1, 0.5, 0.001)):  # just below the light that there is everywhere
         row = scene.encre.shade_levels.add()
         row.intensity, row.threshold, row.transition = level

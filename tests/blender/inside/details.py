@@ -77,10 +77,10 @@ def _rules(scene):
     from encre.blender.panels import rows
     from encre.pen import library
 
-    rule = library.params()["contrast_max"].enabled_if
+    rule = library.params()["contrast_full"].enabled_if
     settings = scene.encre
     for detector, auto in (("CONTRAST", False), ("CONTRAST", True), ("DOG", False)):
-        settings.color_detector, settings.contrast_auto = detector, auto
+        settings.color_detector, settings.contrast_local = detector, auto
         fact("enabled", [rule, detector, auto, rows.enabled(settings, rule)])
 
 

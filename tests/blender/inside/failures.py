@@ -73,7 +73,7 @@ def papers(out):
     scene.encre.paper_image = image
     fact("unused", shoot(out, "procedural"))
     scene.encre.paper_source = "IMAGE"
-    scene.encre.use_hatching, scene.encre.line_paper = False, 0
+    scene.encre.use_hatching, scene.encre.pen_1_grain = False, 0
     fact("unused", shoot(out, "image"))
     scene.encre.use_hatching = True
     import _cycles

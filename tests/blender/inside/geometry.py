@@ -201,7 +201,7 @@ def by_hand(out):
     import bmesh
 
     scene = stage(ground=False)
-    scene.encre.edge_detector, scene.encre.line_paper, scene.encre.line_softness = "FINE", 0, 0
+    scene.encre.edge_detector, scene.encre.pen_1_grain, scene.encre.pen_1_softness = "FINE", 0, 0
     scene.camera.location, scene.camera.rotation_euler = (0, -6, 0), (radians(90), 0, 0)
     red, ball = bpy.data.objects["Cube"], bpy.data.objects["Ball"]
     red.location, ball.location = (-1, -1.5, 0.6), (1.85, 0, 0)
@@ -222,7 +222,7 @@ def by_hand(out):
     bpy.ops.mesh.mark_freestyle_edge()
     bpy.ops.object.mode_set(mode="OBJECT")
     shoot(out, "marked")
-    scene.encre.width_mark = 0.3
+    scene.encre.line_mark_width = 0.3
     shoot(out, "thin")
 
     def mark(pick, **options):

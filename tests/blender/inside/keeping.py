@@ -55,8 +55,8 @@ def opened(out):
     for name, path in paths.items():
         bpy.ops.wm.open_mainfile(filepath=path)
         settings = bpy.context.scene.encre
-        fact(name, [settings.version, settings.crease_source, settings.line_depth_unit, settings.crease_angle,
-                    settings.line_min_length, round(settings.line_thickness, 3),
+        fact(name, [settings.version, settings.crease_source, settings.line_far_unit, settings.crease_angle,
+                    settings.line_shortest, round(settings.line_thickness, 3),
                     bpy.context.view_layer.encre.use_pass_lines, settings.samples])
 
 
@@ -83,7 +83,7 @@ def presets(out):
 
     mine, folder = scene.encre, panel.folder()
     fact("folder", str(folder))
-    mine.line_thickness, mine.line_color, mine.supersample, mine.paper_source = 7.3, (0.1, 0.2, 0.3), 2, "IMAGE"
+    mine.line_thickness, mine.ink_color, mine.supersample, mine.paper_source = 7.3, (0.1, 0.2, 0.3), 2, "IMAGE"
     mine.shade_levels.add().intensity = 0.4
     mine.shade_levels.add().threshold = 0.6
     fact("save", call("preset_save", name="My Look", description="As I like it"))
@@ -102,7 +102,7 @@ def presets(out):
     call("preset", preset="ink_only")
     fact("other", [mine.line_thickness, mine.preset])
     call("preset", preset="my_look")
-    fact("applied", [mine.line_thickness, list(mine.line_color), [v.intensity for v in mine.shade_levels], mine.preset])
+    fact("applied", [mine.line_thickness, list(mine.ink_color), [v.intensity for v in mine.shade_levels], mine.preset])
     shared = os.path.join(out, "shared.json")
     fact("export", call("preset_export", preset="my_look", filepath=shared))
     fact("twice", call("preset_import", filepath=shared))
@@ -135,7 +135,7 @@ def settings(_out):
                 for id_, value in properties.stored(group).items()}
 
     mine = scene.encre
-    mine.line_color, mine.edge_detector, mine.paper_image = (0.1, 0.2, 0.3), "DOG", bpy.data.images.new("Sheet", 4, 4)
+    mine.ink_color, mine.edge_detector, mine.paper_image = (0.1, 0.2, 0.3), "DOG", bpy.data.images.new("Sheet", 4, 4)
     bpy.ops.encre.level_add()
     fact("offered without a style", bpy.ops.encre.style_store.poll())
     bpy.ops.encre.style_add()
@@ -147,10 +147,10 @@ def settings(_out):
     other = bpy.data.scenes.new("Other")
     bpy.context.window.scene = other
     other.render.engine = "ENCRE"
-    other.encre.line_taper = 5  # not set in the first: the default again
+    other.encre.pen_1_taper = 5  # not set in the first: the default again
     for name in ("Style", "Mine"):
         other.encre.styles.add().name = name
-    other.encre.styles["Style"].line_taper = 3
+    other.encre.styles["Style"].pen_1_taper = 3
     fact("paste", list(bpy.ops.encre.settings_paste(path="scene")))
     fact("second", [of(other.encre), of(other.encre.styles["Style"]), [style.name for style in other.encre.styles]])
 
@@ -179,7 +179,7 @@ def settings(_out):
 
     bpy.ops.encre.preset(preset="ink_only")
     params = library.params()
-    differs = {id_: 1.5 for id_ in ("line_thickness", "line_tint")}
+    differs = {id_: 1.5 for id_ in ("line_thickness", "ink_tint")}
     for id_, value in differs.items():
         setattr(other.encre, id_, value)
         bpy.ops.encre.reset(param=id_)

@@ -33,5 +33,5 @@ def lids(out):
         for name, value in find("ink_only").values.items():
             if not isinstance(value, list):
                 setattr(scene.encre, name, value)
-        scene.encre.layer_source, scene.encre.edge_light = "ENCRE", 0
+        scene.encre.layer_source, scene.encre.line_shadow_strength = "ENCRE", 0
         shoot(out, f"view {k}")

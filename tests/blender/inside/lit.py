@@ -264,7 +264,7 @@ def kept(out):
     _lamp("AREA", energy=300, shape="SQUARE", size=1.0)
     for switch in ("use_shading", "use_hatching", "use_lines"):
         setattr(scene.encre, switch, True)
-    scene.encre.edge_light = 4
+    scene.encre.line_shadow_strength = 4
     shoot(out, "kept")
     scene.render.use_border = scene.render.use_crop_to_border = True
     scene.render.border_min_x, scene.render.border_max_x = 0.25, 0.75

@@ -68,7 +68,8 @@ def two_looks(_out):
     fact("shines", bool(plain["highlights"].any()))
     fact("lined", float((np.abs(shared["albedo"] - plain["albedo"]).max(2) > 0.1).mean()))
     fact("looks differ", float((np.abs(panes[0] - panes[1]).max(2) > 0.1).mean()))
-    fact("colours in the frame", [settings.of[0].every[0]["edge_color"], settings.of[1].every[0]["edge_color"]])
+    fact("colours in the frame", [settings.of[0].every[0]["line_color_strength"],
+                                  settings.of[1].every[0]["line_color_strength"]])
 
 
 def walks(_out):

@@ -209,7 +209,7 @@ def _pencil(name, stroke, turned):
 def strokes(out):
     """A stroke on the front of the ball, drawn by Grease Pencil on a turned object, becomes a line by hand."""
     scene = stage(320, 180)
-    scene.encre.edge_mark = 1
+    scene.encre.line_mark_strength = 1
     ball = bpy.data.objects["Ball"]
     ball.rotation_euler, ball.scale = (0.3, 0.2, 0.5), (1.1, 1.1, 1.1)
     bpy.context.view_layer.update()

@@ -195,7 +195,7 @@ def toned(out):
     plane("Mirror", silver, 1.0, 0.0).location = (0, -0.8, 0.3)
     bpy.data.objects["Mirror"].rotation_euler = (1.6, 0.05, 0.3)
     for weight in (1.0, 0.0):
-        scene.encre.edge_seen = weight
+        scene.encre.line_mirror_strength = weight
         shoot(out, f"seen {weight:.0f}")
 
 

@@ -76,7 +76,7 @@ def redrawn():
 
 CHANGES = {
     "thick": {"line_thickness": 50},
-    "red": {"line_color": (0.6, 0, 0), "use_hatching": False},
+    "red": {"ink_color": (0.6, 0, 0), "use_hatching": False},
     "flat": {"shade_exposure": 0.3, "use_smudging": False},
     "off": {"use_lines": False, "use_shading": False, "use_smudging": False},
 }
@@ -146,12 +146,12 @@ def composited():
     tree.links.new(last, end.inputs["Image"])
     yield from rendering()
     picture("nodes-before")
-    scene.encre.line_thickness, scene.encre.line_color = 50, (0.6, 0, 0)
+    scene.encre.line_thickness, scene.encre.ink_color = 50, (0.6, 0, 0)
     studio.fact("redrawn for nodes", (yield from redrawn()))
     picture("nodes-again")
     yield from rendering()
     picture("nodes-fresh")
-    scene.encre.line_thickness, scene.encre.line_color, scene.use_nodes = 20, (0, 0, 0), False
+    scene.encre.line_thickness, scene.encre.ink_color, scene.use_nodes = 20, (0, 0, 0), False
     layer.use_pass_normal = layer.encre.use_pass_lines = False
 
 
@@ -186,12 +186,12 @@ def border():
     for name, factor in ("border", 1), ("super", 2):
         scene.encre.supersample = factor
         yield from rendering()
-        scene.encre.line_color = (0.6, 0, 0)
+        scene.encre.ink_color = (0.6, 0, 0)
         studio.fact("redrawn", (yield from redrawn()))
         picture(f"{name}-again")
         yield from rendering()
         picture(f"{name}-fresh")
-        scene.encre.line_color = (0, 0, 0)
+        scene.encre.ink_color = (0, 0, 0)
     scene.render.use_border, scene.encre.supersample = False, 1
 
 
@@ -202,7 +202,7 @@ def quick():
     scene, reads, read = bpy.context.scene, [], fast.read
     scene.encre.layer_source = "ENCRE"
     fast.read = lambda *args, **named: reads.append(1) or read(*args, **named)
-    for name, change in ("quick", {"line_color": (0.6, 0, 0), "shade_exposure": 0.3}), ("quick_off", CHANGES["off"]):
+    for name, change in ("quick", {"ink_color": (0.6, 0, 0), "shade_exposure": 0.3}), ("quick_off", CHANGES["off"]):
         yield from rendering()
         picture(f"{name}-before")
         reads.clear()
@@ -214,7 +214,7 @@ def quick():
         yield from rendering()
         picture(f"{name}-fresh")
         for id_, value in before.items():
-            setattr(scene.encre, id_, (0, 0, 0) if id_ == "line_color" else value)
+            setattr(scene.encre, id_, (0, 0, 0) if id_ == "ink_color" else value)
     studio.fact("quick bytes", memory.size(scene) / (160 * 90))
     scene.encre.layer_source = "CYCLES"
     fast.read = read
@@ -315,10 +315,10 @@ def opened():
         except RuntimeError as error:
             studio.fact("not opened", str(error))
         scene.render.resolution_x = 160
-        scene.encre.pen_pressure = 0.5
+        scene.encre.pen_1_pressure = 0.5
         studio.fact("lacks", [ours.load(scene, path), (yield from redrawn())])
         picture(f"{name}-hand")
-        scene.encre.pen_pressure = 0
+        scene.encre.pen_1_pressure = 0
         yield from redrawn()
     scene.encre.layer_source = "CYCLES"
 

@@ -138,13 +138,13 @@ def growing():
     cycles.engine.draw = lambda engine, *args: drawn.append(engine.frames.ink is not None) or draw(engine, *args)
     scene.cycles.use_adaptive_sampling = False
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 200
-    scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.line_color = False, 40, (0, 1, 0)
+    scene.cycles.use_denoising, scene.encre.line_thickness, scene.encre.ink_color = False, 40, (0, 1, 0)
     scene.view_settings.view_transform = "Standard"  # from 4.0 on that of a new file makes green pale
     yield from long_enough()
     for name in ("early", "late", "shaded", *(["cleaned"] if "ENCRE_OIDN" in os.environ else [])):
         scene.encre.ink_early = name != "late"
         if name == "shaded":
-            scene.encre.light_source, scene.encre.line_color = "DRAWN", (0.2, 0.2, 0.2)
+            scene.encre.light_source, scene.encre.ink_color = "DRAWN", (0.2, 0.2, 0.2)
             scene.view_settings.view_transform = "Filmic"
         if name == "cleaned":
             scene.encre.light_source = "CYCLES"

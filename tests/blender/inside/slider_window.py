@@ -70,10 +70,10 @@ def hide(obj, hidden):
 def settings():
     encre = bpy.context.scene.encre
     yield from changed("slider", (encre, "line_thickness", 20))
-    yield from changed("colour", (encre, "line_color", (0.5, 0, 0)))
+    yield from changed("colour", (encre, "ink_color", (0.5, 0, 0)))
     yield from changed("angle of creases", (encre, "crease_angle", 2 * encre.crease_angle))
     yield from changed("angle that none has", (encre, "crease_angle", 1.6 * encre.crease_angle))
-    yield from changed("what rests", (encre, "pen_wobble", 0.5))
+    yield from changed("what rests", (encre, "pen_1_wobble", 0.5))
     flat = {f"tone_{n}_space": "FLAT" for n in (1, 2)}
     yield from changed("tones", (encre, "use_tones", True), (encre, "tone_1", "DOTS"), (encre, "tone_2", "DOTS"))
     yield from changed("flat tones", *((encre, name, value) for name, value in flat.items()))
@@ -117,18 +117,18 @@ def driven():
     for name in ("Cube", "Copies"):
         driver = bpy.data.objects[name].driver_add("location", 2).driver
         target = driver.variables.new().targets[0]
-        target.id_type, target.id, target.data_path = "SCENE", bpy.context.scene, "encre.line_max_thickness"
+        target.id_type, target.id, target.data_path = "SCENE", bpy.context.scene, "encre.line_thickest"
         driver.expression = "var / 100"
-    yield from changed("driver", (encre, "line_max_thickness", 60))
+    yield from changed("driver", (encre, "line_thickest", 60))
     vertex = bpy.data.objects["Cube"].data.vertices[6].co
 
     def follow(scene, _depsgraph):
-        if abs(vertex.z - scene.encre.line_max_thickness / 50) > 1e-3:
-            vertex.z = scene.encre.line_max_thickness / 50
+        if abs(vertex.z - scene.encre.line_thickest / 50) > 1e-3:
+            vertex.z = scene.encre.line_thickest / 50
             bpy.data.objects["Cube"].data.update()
 
     bpy.app.handlers.depsgraph_update_post.append(follow)
-    yield from changed("handler", (encre, "line_max_thickness", 30))
+    yield from changed("handler", (encre, "line_thickest", 30))
     bpy.app.handlers.depsgraph_update_post.remove(follow)
 
 
@@ -153,9 +153,9 @@ def drawn_anew():
     def shown(_name, frame):
         scene.frame_set(frame)
 
-    encre.pen_wobble = 6
+    encre.pen_1_wobble = 6
     yield from changed("still", (shown, "", 9))
-    encre.pen_hold = 2
+    encre.pen_1_hold = 2
     yield from changed("still on twos", (shown, "", 8))
     yield from changed("still, held", (shown, "", 9))
     yield from changed("still, drawn anew", (shown, "", 10))
@@ -221,8 +221,8 @@ def layers():
     for name, value in ("Metallic", 1), ("Roughness", 0):
         silver.node_tree.nodes["Principled BSDF"].inputs[name].default_value = value
     mirror = studio.cube("Mirror", (0, 2, 0), 4, silver)
-    encre.edge_detector, encre.edge_seen = "FINE", 0
-    yield from changed("lines in mirrors", (encre, "edge_seen", 1))
+    encre.edge_detector, encre.line_mirror_strength = "FINE", 0
+    yield from changed("lines in mirrors", (encre, "line_mirror_strength", 1))
     bpy.data.objects.remove(mirror)
     for lamp in bpy.data.lights:
         lamp.angle = 0.3

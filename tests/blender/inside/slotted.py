@@ -11,8 +11,8 @@ from studio import fact, stage
 def _pens(scene):
     """What is shown and what is kept of pens."""
     settings = scene.encre
-    return [[settings.pen_called, settings.pen_2_called, settings.pen_3_called], settings.line_pen_crease,
-            settings.is_property_set("line_pen_crease")]
+    return [[settings.pen_1_called, settings.pen_2_called, settings.pen_3_called], settings.line_crease_pen,
+            settings.is_property_set("line_crease_pen")]
 
 
 def pens(out):
@@ -22,28 +22,28 @@ def pens(out):
     from encre.pen import library
 
     scene, path = stage(16, 16, 1), os.path.join(out, "pens.blend")
-    row = library.params()["line_pen_crease"]
+    row = library.params()["line_crease_pen"]
     fact("first", _pens(scene))
-    scene.encre.pen_2_called, scene.encre.line_pen_crease = " Sketch ", "PEN_2"
+    scene.encre.pen_2_called, scene.encre.line_crease_pen = " Sketch ", "PEN_2"
     fact("offered", [list(item) for item in named.items(row)(scene.encre, None)])
-    scene.encre.styles.add().line_pen_mark = "PEN_3"
+    scene.encre.styles.add().line_mark_pen = "PEN_3"
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path)
     scene = bpy.context.scene
     fact("opened", _pens(scene))
-    fact("values", [properties.scene_values(scene)["line_pen_crease"], properties.styles(scene)])
+    fact("values", [properties.scene_values(scene)["line_crease_pen"], properties.styles(scene)])
     depsgraph = bpy.context.evaluated_depsgraph_get()
     fact("evaluated", _pens(depsgraph.scene_eval))
     scene.encre.pen_2_called = ""
     fact("unnamed", _pens(scene)[0])
     found = []
-    for pen, text in (("pen_2", "Pen"), ("pen_3", "Pen"), ("pen", "Pen.001"), ("pen_2", "Very" * 30),
-                      ("pen_3", "Very" * 30), ("pen", "Pen"), ("pen_2", ""), ("pen_3", "")):
+    for pen, text in (("pen_2", "Pen 1"), ("pen_3", "Pen 1"), ("pen_1", "Pen 1.001"), ("pen_2", "Very" * 30),
+                      ("pen_3", "Very" * 30), ("pen_1", "Pen 1"), ("pen_2", ""), ("pen_3", "")):
         setattr(scene.encre, f"{pen}_called", text)
         found.append(_pens(scene)[0])
     fact("unique", found)
-    scene.encre.line_pen_crease = "PEN"
-    bpy.ops.encre.reset(param="line_pen_crease")
+    scene.encre.line_crease_pen = "PEN_1"
+    bpy.ops.encre.reset(param="line_crease_pen")
     fact("reset", _pens(scene)[2])
 
 
@@ -63,7 +63,7 @@ def pens_in_presets(_out):
     fact("ink only", _pens(scene)[0])
     bpy.ops.encre.preset(preset="named")
     fact("named", _pens(scene)[0])
-    scene.encre.pen_called, scene.encre.pen_2_called = "Else", "Brush"
+    scene.encre.pen_1_called, scene.encre.pen_2_called = "Else", "Brush"
     bpy.ops.encre.preset(preset="named")
     fact("swapped", _pens(scene)[0])
     bpy.ops.encre.settings_copy(path="scene")
@@ -71,7 +71,7 @@ def pens_in_presets(_out):
     other.render.engine, bpy.context.window.scene = "ENCRE", other
     bpy.ops.encre.settings_paste(path="scene")
     fact("pasted", _pens(other)[0])
-    for name, called in (("pen_2", "X"), ("pen", "Pen 2"), ("pen_2", "Pen")):
+    for name, called in (("pen_2", "X"), ("pen_1", "Pen 2"), ("pen_2", "Pen 1")):
         setattr(other.encre, f"{name}_called", called)
     fact("each other's", _pens(other)[0])
     bpy.ops.encre.settings_copy(path="scene")
@@ -83,12 +83,12 @@ def slots(_out):
     """A pen and a tone take all that another has."""
     scene = stage(16, 16, 1)
     settings = scene.encre
-    settings.line_softness, settings.pen_wobble, settings.pen_2_width, settings.active_pen = 0.25, 3, 0.5, 1
-    bpy.ops.encre.slot_copy(source="pen")
-    fact("pen", [settings.pen_2_softness, settings.pen_2_wobble, settings.pen_2_width])
-    settings.pen_3_paper, settings.pen_3_seed, settings.active_pen = 0.125, 7, 0
+    settings.pen_1_softness, settings.pen_1_wobble, settings.pen_2_width, settings.active_pen = 0.25, 3, 0.5, 1
+    bpy.ops.encre.slot_copy(source="pen_1")
+    fact("pen_1", [settings.pen_2_softness, settings.pen_2_wobble, settings.pen_2_width])
+    settings.pen_3_grain, settings.pen_3_seed, settings.active_pen = 0.125, 7, 0
     bpy.ops.encre.slot_copy(source="pen_3")
-    fact("first pen", [settings.line_paper, settings.pen_seed, settings.line_thickness])
+    fact("first pen", [settings.pen_1_grain, settings.pen_1_seed, settings.line_thickness])
     for _ in range(3):
         bpy.ops.encre.level_add()  # the six of six tones
     image = bpy.data.images.new("Tile", 4, 4)

@@ -139,8 +139,8 @@ def supersampled_widths(out):
     scene = stage(160, 160, 16, ground=False)
     bpy.data.objects.remove(bpy.data.objects["Ball"])
     scene.encre.use_shading = scene.encre.use_smudging = scene.encre.use_hatching = False
-    scene.encre.line_softness, scene.encre.line_gain, scene.encre.line_intensity = 0, 0.5, 2
-    scene.encre.line_paper = 0
+    scene.encre.pen_1_softness, scene.encre.pen_1_steepness, scene.encre.pen_1_intensity = 0, 0.5, 2
+    scene.encre.pen_1_grain = 0
     scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 3.01
     scene.camera.location, scene.camera.rotation_euler = (-0.9, -6, 0), (radians(90), 0, 0)
     from encre.blender import frame

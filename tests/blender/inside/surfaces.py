@@ -16,7 +16,7 @@ def _bare(scene):
     """Nothing but the ground, and thin ink."""
     for name in ("Cube", "Ball"):
         bpy.data.objects.remove(bpy.data.objects[name])
-    scene.encre.line_thickness, scene.encre.use_shading, scene.encre.line_paper = 18, False, 0
+    scene.encre.line_thickness, scene.encre.use_shading, scene.encre.pen_1_grain = 18, False, 0
 
 
 def coincident(out):
@@ -125,7 +125,7 @@ def displaced(out):
         link("Sheet", mesh, (0, 0, 0), _waves(method))
         scene.camera.location = 0, -2.5, 4
         scene.camera.rotation_euler = Vector((0, 2.5, -4)).to_track_quat("-Z", "Y").to_euler()
-        scene.encre.crease_source, scene.encre.edge_bump = source, weight
+        scene.encre.crease_source, scene.encre.crease_bumps = source, weight
         shoot(out, f"{method} {source} {weight}")
 
 
@@ -155,7 +155,7 @@ def wide(out):
         return
     for space in ("Linear Rec.709", "ACEScg"):
         scene = stage(samples=1)
-        scene.encre.line_color, scene.encre.line_thickness = (0.6, 0.02, 0), 120
+        scene.encre.ink_color, scene.encre.line_thickness = (0.6, 0.02, 0), 120
         bpy.ops.wm.set_working_color_space(working_space=space)
         scene.view_settings.view_transform, scene.render.dither_intensity = "Standard", 0
         shoot(out, space)

@@ -363,7 +363,7 @@ def several():
 def pinned():
     """A pattern that is pinned to a mesh at rest, which is then bent; and let go."""
     scene, ball = bpy.context.scene, bpy.data.objects["Ball"]
-    scene.encre.pen_wobble, scene.encre.pen_gaps = 0.6, 0.5
+    scene.encre.pen_1_wobble, scene.encre.pen_1_gaps = 0.6, 0.5
     bpy.ops.object.select_all(action="DESELECT")
     ball.select_set(True)
     bpy.context.view_layer.objects.active = ball
@@ -383,7 +383,7 @@ def pinned():
     yield from rest()
     picture("let go")
     studio.fact("pinned", [view.failure for view in views()])
-    scene.encre.pen_wobble = scene.encre.pen_gaps = 0.0
+    scene.encre.pen_1_wobble = scene.encre.pen_1_gaps = 0.0
     yield from rest()
 
 

@@ -190,7 +190,7 @@ def lists():
         with override("PROPERTIES"):
             step()
         yield
-        studio.fact("pen", bpy.context.scene.encre.pen_called)
+        studio.fact("pen", bpy.context.scene.encre.pen_1_called)
 
 
 def _noting(draw, rows):
@@ -202,7 +202,7 @@ def _noting(draw, rows):
 
 
 def _rename():
-    bpy.context.scene.encre.pen_called = "Sketch"
+    bpy.context.scene.encre.pen_1_called = "Sketch"
     bpy.ops.ed.undo_push(message="Rename")
 
 
