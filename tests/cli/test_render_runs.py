@@ -240,13 +240,12 @@ def test_a_full_disk(cube, tmp_path):
     signal.SIGINT, *(pytest.param(number, marks=pytest.mark.slow) for number in (signal.SIGTERM, signal.SIGHUP))])
 def test_interrupt(cube, tmp_path, number):
     child = subprocess.Popen([sys.executable, "-m", "encre", "render", cube, "-o", tmp_path / "out.png", "--size",
-                              "1280x720", "--samples", "4000", "--threads", "1"], stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60
-    while not list(tmp_path.glob(".encre-*")) and time.monotonic() < deadline:
-        time.sleep(0.05)
-    time.sleep(2)
+                              "320x180", "--samples", "100000", "--threads", "1", "--progress", "json"],
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not 0 < json.loads(child.stdout.readline()).get("fraction", 0) < 1:
+        pass  # Cycles has not begun
     child.send_signal(number)
-    err = child.communicate(timeout=30)[1]
+    err = child.communicate(timeout=60)[1]
     assert child.returncode == 130 and err == "encre: interrupted\n" and left(tmp_path) == []
     running = b"".join(path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline"))
     assert bytes(tmp_path) not in running, "Blender runs on"
