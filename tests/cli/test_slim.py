@@ -5,6 +5,7 @@ import drawn
 import exr
 import numpy as np
 import pytest
+from cube import encre, script, works
 from encre.cli import composite, multilayer, planes
 from encre.pen import metadata, saved, slim
 from encre.pen.job import Camera, Frame
@@ -127,3 +128,29 @@ def test_of_a_file_that_is_mapped_the_same_is_made(tmp_path, passes):
             made.append(list(multilayer._packed(whole, packer, [[name] for name in packer.parts])))
     for one, other in zip(*made, strict=True):
         assert one.dtype == other.dtype and one.tobytes() == other.tobytes()
+
+
+GLOWS_ONCE = """
+cube = bpy.data.objects["Cube"]
+cube.data.materials.append(bpy.data.materials.new("Glow"))
+cube.data.materials[0].use_nodes = True
+shader = cube.data.materials[0].node_tree.nodes["Principled BSDF"]
+shader.inputs["Emission Color"].default_value, shader.inputs["Emission Strength"].default_value = (0.3, 0.2, 0.1, 1), 1
+for frame, hidden in (3, False), (4, True):
+    cube.hide_render = hidden
+    cube.keyframe_insert("hide_render", frame=frame)
+scene.render.use_persistent_data = True
+"""
+
+
+@pytest.mark.slow
+def test_a_pass_that_is_empty_is_not_the_frame_before(tmp_path):
+    """Fast layers are written straight into Blender's result, and what is 0 is not written."""
+    works(encre("render", script(tmp_path, GLOWS_ONCE), "-o", tmp_path / "#.exr", "-f", "3,4",
+                "--set=layer_source=ENCRE"))
+    most = []
+    for frame in 3, 4:
+        with multilayer.Exr(tmp_path / f"{frame}.exr") as opened:
+            [eyes] = composite.view_layers(opened.channels, opened.views).values()
+            most.append(opened.read({"Emit": eyes[""]["Emit"]})["Emit"].max())
+    assert most == [pytest.approx(0.3, abs=1e-3), 0]
