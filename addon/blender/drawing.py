@@ -105,7 +105,8 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
         index, depth, decided = through.settled(index, passes["Depth"][..., 0] if depth is None else depth, clear,
                                                 maps["object"], objects.owners)
         del clear
-    known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays, objects.displaced)
+    known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays, objects.displaced,
+                               objects.refined)
     if layer.user_indices is not None:
         given = np.clip(given, 0, len(layer.user_indices) - 1).astype(np.intp)
         write(versions.pass_name("IndexOB"), layer.user_indices[given][..., None])

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ..pen.job import Mesh
-from . import attributes, filters, hair, mirrors, properties, trees
+from . import attributes, filters, hair, mirrors, properties, trees, versions
 from .patterns import hashed
 from .triangles import MESHABLE, read_lines, read_triangles
 
@@ -27,9 +27,11 @@ class Objects:
     automatic: bool
     catchers: np.ndarray  # which show nothing but shadows
     holdouts: np.ndarray  # which are holes in the picture
+    refined: np.ndarray  # whose faces Cycles divides further than they are here
     clear: np.ndarray  # by number of material: which may let light through
     blurred: np.ndarray  # likewise: which show nothing clearly, neither mirrored nor through them
     displaced: np.ndarray  # likewise: whose surfaces Cycles moves
+    holes: np.ndarray  # likewise: which are holes in the picture
     materials: list    # by their numbers, full names; None: of what has none
     things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place,
                        # and the turn and scale of its matrix, row by row
@@ -57,15 +59,17 @@ class Objects:
 
     def chained(self):
         """(meshes whose edges tell of lines, by number of an object whether all its lines are theirs). What lets light
-        through, what Cycles moves and hair is left to the picture; holes have none of their own, and hide others'."""
+        through, what Cycles moves or divides further and hair is left to the picture; holes have none of their own, and
+        hide others'."""
         whole, out = ~self.holdouts & ~self.catchers, []
         odd = self.clear | self.displaced
         for mesh, strands in zip(self.meshes, self.ribbons, strict=True):
             if mesh.kind == "lines":
                 out.append(mesh)
                 continue
-            bad = odd[mesh.material_index] if mesh.material is None else odd[mesh.material]
-            if strands is not None or np.any(bad):
+            material = mesh.material_index if mesh.material is None else mesh.material
+            bad = odd[material] | self.refined[mesh.object_index]
+            if strands is not None or np.any(bad | self.holes[material]):
                 whole[mesh.object_index if mesh.object is None else np.unique(mesh.object)] = False
             if strands is not None or np.all(bad) or self.catchers[mesh.object_index]:
                 continue
@@ -123,7 +127,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     """
     meshes, shown, ribbons, owners, numbers = [], [], [], [0], [0]
     things = [(0,) * (18 + 4 * len(looks.pool.asked if looks else ()))]
-    catchers, holdouts = [False], [False]
+    catchers, holdouts, refined = [False], [False], [False]
     running, materials = {}, _Materials(depsgraph.scene_eval)
     far = filters.culled(depsgraph)
     override, surfaces, grows = (of(depsgraph) for of in (filters.override, filters.surfaces, filters.hair))
@@ -178,6 +182,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         owners += [obj.pass_index] * len(parts)
         catchers += [obj.is_shadow_catcher or top.is_shadow_catcher] * len(parts)
         holdouts += [top.original.holdout_get(view_layer=depsgraph.view_layer)] * len(parts)
+        refined += [not looks and versions.divides(obj, depsgraph)] * len(parts)
         if looks:
             things += [(*_thing(instance, obj), *(number for kind, name in looks.pool.asked for number in
                                                   _asked(kind, name, instance, obj, depsgraph)))] * len(parts)
@@ -198,14 +203,14 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
     thick = [0] * len(owners)
     for mesh, strands in zip(meshes, ribbons, strict=True):
         if strands:  # behind all others, so that hair changes no number of theirs
-            for known in owners, numbers, catchers, holdouts, *([things] if looks else []):
+            for known in owners, numbers, catchers, holdouts, refined, *([things] if looks else []):
                 known.append(known[mesh.object_index])
             mesh.object_index = len(thick)
             thick.append(2 * strands.radius.max() * np.linalg.norm(mesh.model[:3, :3], axis=0).max())
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers), np.array(holdouts),
-                   *(np.array([known[k] for known in materials.known.values()]) for k in (3, 4, 5)),
-                   list(materials.known),
+                   np.array(refined), *(np.array([known[k] for known in materials.known.values()])
+                                        for k in (3, 4, 5, 6)), list(materials.known),
                    np.array(things, np.float32), shown, ribbons, np.array(thick, np.float32))
 
 
@@ -288,14 +293,14 @@ class _Materials:
     """Numbers, styles and controls of materials; each material is asked once."""
 
     def __init__(self, scene):
-        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), False, False, False)}
+        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), *[False] * 4)}
 
     def __call__(self, material):
         key = material and material.name_full
         if key not in self.known:
             self.known[key] = (len(self.known), properties.style_number(material, self.scene),
                                np.array(properties.controls(material), np.float32), _lets_through(material),
-                               mirrors.blurs(material), _displaces(material))
+                               mirrors.blurs(material), _displaces(material), _is_hole(material))
         return self.known[key]
 
 
@@ -319,6 +324,12 @@ def _displaces(material):
     return method != "BUMP" and any(
         node.bl_idname == "ShaderNodeOutputMaterial" and trees.source_of(node.inputs["Displacement"])
         for node in trees.nodes_of(material))
+
+
+def _is_hole(material):
+    """Whether nothing but a hole is where a material's surfaces are."""
+    return any(node.bl_idname == "ShaderNodeOutputMaterial" and (source := trees.source_of(node.inputs["Surface"]))
+               and source[0].bl_idname == "ShaderNodeHoldout" for node in trees.nodes_of(material))
 
 
 def _names(blocks):

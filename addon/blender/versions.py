@@ -203,3 +203,16 @@ def strokes(layer, frame):
     else:
         found = [([point.position.copy() for point in stroke.points], stroke.cyclic) for stroke in now.drawing.strokes]
     return [[*points, points[0]] if cyclic and points else points for points, cyclic in found]
+
+
+def divides(obj, depsgraph):
+    """Whether Cycles divides the faces of an evaluated object further than its mesh tells. 5.0 made adaptive
+    subdivision a setting of the modifier; before, it is the object's, and needs Cycles' experimental features."""
+    last = obj.modifiers[-1] if len(obj.modifiers) else None
+    if not last or last.type != "SUBSURF":
+        return False
+    if hasattr(last, "use_adaptive_subdivision"):
+        return last.use_adaptive_subdivision
+    cycles = getattr(obj, "cycles", None)
+    return bool(cycles and getattr(cycles, "use_adaptive_subdivision", False)
+                and depsgraph.scene_eval.cycles.feature_set == "EXPERIMENTAL")

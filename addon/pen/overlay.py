@@ -79,7 +79,7 @@ def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarray, numbers: np.ndarray,
                strays: Callable[[np.ndarray], np.ndarray],
-               displaced: np.ndarray | None = None) -> dict[str, np.ndarray]:
+               displaced: np.ndarray | None = None, refined: np.ndarray | None = None) -> dict[str, np.ndarray]:
     """The layers object, material and style, and, where there are any, controls and marks.
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
@@ -87,7 +87,7 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
     `marks`, `creases`, `anchor`, `tangent` and `card`, and `coincident` and `pairs`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
     strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices. displaced: by number
-    of material, whether its surfaces are elsewhere than those that were rasterised.
+    of material, whether its surfaces are elsewhere than those that were rasterised; refined: likewise, of object.
     """
     instance = maps.pop("object").reshape(index.shape)
     if "coincident" in maps:
@@ -134,6 +134,8 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
         layers["marks"] = without(maps.pop("marks"), pixels)
     if displaced is not None and displaced.any():
         pixels = np.union1d(pixels, np.flatnonzero(displaced[layers["material"].astype(np.intp)]))
+    if refined is not None and refined.any():
+        pixels = np.union1d(pixels, np.flatnonzero(refined[instance]))
     if "creases" in maps:
         layers["creases"] = np.array(maps.pop("creases"), np.float32)
         without(layers["creases"][..., :4], pixels)

@@ -58,6 +58,16 @@ def test_what_materials_displace_has_creases(render, method, source, weight):
 
 
 @pytest.mark.slow
+def test_where_cycles_shows_no_mesh_there_are_no_lines_of_one(render):
+    """In a hole, and on a ball that is a cube before Cycles divides it: outlines alone."""
+    found = render("displaced").passes("unlike")
+    hole, index = found["Combined"][..., 3] < 0.5, found["Encre Index"][..., 0]
+    ball = index == index[45, 40]
+    for part in (hole, ball):
+        inner = np.all([np.roll(part, (y, x), (0, 1)) for y in (-4, 0, 4) for x in (-4, 0, 4)], axis=0)
+        assert inner.sum() > 200 and ink(found)[inner].max() < 0.05
+
+
 def test_bumps_have_creases_where_they_are_asked_for_only(render):
     assert not ink(render("displaced").passes("BUMP AUTO 0"))[:, 40:280].any()
 

@@ -158,3 +158,13 @@ def test_points_that_are_at_no_place_are_refused(name, value):
 def test_runs_that_do_not_follow_each_other_are_refused():
     with pytest.raises(EncreError, match="chains: run 0 follows run 1; give runs one after the other"):
         drawn(flat(), [line(across(), "crease", run=1), line(across(40), "crease")])
+
+
+def test_what_has_no_chains_covers_those_behind_it():
+    """A leaf that alpha cuts out, of a width over which the layers do not speak against the line."""
+    layers = flat()
+    layers["object"][25:35, 44:52], layers["depth"][25:35, 44:52] = 3, 2
+    covered = drawn(layers, line(across(), "crease"), chained=(1, 1, 1, 0))
+    assert covered[28:33, 15:40].any(0).all() and covered[28:33, 56:80].any(0).all()
+    assert not covered[28:33, 46:50].any()
+    assert drawn(layers, line(across(), "crease"), chained=(1, 1, 1, 1))[28:33, 46:50].any()

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where the layers show something else than the meshes: a surface that was displaced, smoke before it. There its lines
- * are found in the layers. It is decided along whole stretches, so that it does not change from frame to frame. */
+ * are found in the layers. It is decided along whole stretches, so that it does not change from frame to frame; but
+ * what has no chains itself, as leaves that alpha cuts out, covers those behind it where it is. */
 #include "fine/chains/stations.h"
 
 /* Of the depth, by which that of the layers may differ; pixels along the run each way that decide, and of those that
  * can tell the share that must agree. */
 static const float depth_differs = 0.03f, decides = 24, least_agreeing = 0.3f;
+static const float nearer = 0.01f; /* of the depth: what lies so much nearer covers it */
 /* Px: what is thinner may lie between the centres of pixels, and the layers can't tell. */
 static const float too_thin = 2;
 
@@ -15,6 +17,14 @@ static bool shows(const frame *f, int x, int y, const station *t)
 		return false;
 	bool own = !f->layer[ENCRE_LAYER_OBJECT].data || object_at(f, x, y) == (float)t->object;
 	return own && fabsf(depth_at(f, x, y) - t->depth) <= depth_differs * fabsf(t->depth);
+}
+
+/* Whether something lies before it whose lines are not told by chains, and which no mesh hides it by as it is drawn. */
+static bool is_covered(const frame *f, int x, int y, const station *t)
+{
+	float number = object_at(f, x, y);
+	bool told = number >= 0 && number < (float)f->n_chained && f->chained[(int64_t)number];
+	return f->layer[ENCRE_LAYER_OBJECT].data && !told && depth_at(f, x, y) < (1 - nearer) * t->depth;
 }
 
 static void compare(void *data, int first, int end, int thread)
@@ -30,6 +40,8 @@ static void compare(void *data, int first, int end, int thread)
 		t->tells = inside && !thin && !(t->flags & STATION_NONE) && !(t->kind & ENCRE_CHAIN_MARK);
 		t->agrees = false;
 		int px = pixel_of((float)x, f->width), py = pixel_of((float)y, f->height);
+		if (inside && is_covered(f, px, py, t))
+			t->flags |= STATION_HIDDEN;
 		for (int k = 0; t->tells && k < 9 && !t->agrees; k++)
 			t->agrees = shows(f, px + k % 3 - 1, py + k / 3 - 1, t);
 	}

@@ -127,6 +127,24 @@ def displaced(out):
         scene.camera.rotation_euler = Vector((0, 2.5, -4)).to_track_quat("-Z", "Y").to_euler()
         scene.encre.crease_source, scene.encre.crease_bumps = source, weight
         shoot(out, f"{method} {source} {weight}")
+    _unlike(out)
+
+
+def _unlike(out):
+    """A cube that Cycles makes a ball, and one that is nothing but a hole."""
+    scene = stage(160, 90, 4, ground=False)
+    _bare(scene)
+    scene.cycles.feature_set, scene.encre.line_shadow_strength = "EXPERIMENTAL", 0
+    hole = material("Hole", (1, 1, 1))
+    tree = hole.node_tree
+    tree.links.new(tree.nodes.new("ShaderNodeHoldout").outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    cube("Hole", (1.0, 0, 0), 1.0, hole)
+    round_ = cube("Round", (-1.0, 0, 0), 1.5, material("Round", (0.8, 0.8, 0.8)))
+    divided = round_.modifiers.new("Divided", "SUBSURF")
+    divided.levels = divided.render_levels = 1
+    owner = divided if hasattr(divided, "use_adaptive_subdivision") else round_.cycles
+    owner.use_adaptive_subdivision = True
+    shoot(out, "unlike")
 
 
 def smoke(out):
