@@ -98,7 +98,7 @@ LENGTHS = ("pressure_length", "wobble_length", "gaps_length", "dry_length", "das
 CHOSEN = ("pressure", "wobble", "gaps", "dry", "overshoot", "rough", "pool", "dash")
 
 
-def any_pen(rng, pen="pen_"):
+def any_pen(rng, pen="pen_1_"):
     """A few of the things that a hand does."""
     own = {name: rng.uniform(*ANY[name]) for name in (*LENGTHS, *rng.choice(CHOSEN, 3, False))}
     own |= dict(seed=int(rng.integers(0, 2**31)), strokes=int(rng.choice([1, 1, 2])), bristles=int(rng.integers(1, 9)),
