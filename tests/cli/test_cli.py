@@ -158,7 +158,7 @@ def test_an_unknown_parameter_has_its_nearest_beside_it_and_not_all(run):
         fails(result, "unknown parameter; did you mean ", near, "; `encre params` lists all")
         names = result[2].partition("did you mean ")[2].partition("?")[0].split(", ")
         assert len(names) <= 3 and set(names) <= library.params().keys()
-    for far in "foo", "line_width", "noir":
+    for far in "foo", "quux", "noir":
         result = run("composite", "in.exr", "-o", "out.png", f"--set={far}=1")
         fails(result, f"{far}: unknown parameter; `encre params` lists all")
         assert "did you mean" not in result[2]

@@ -51,7 +51,7 @@ def test_slim_files_hold_what_restyling_reads(tmp_path, more):
     assert slim.stat().st_size < 0.45 * whole.stat().st_size
     name = "ViewLayer.Combined.right" if "multiview" in more else "ViewLayer.Combined"
     for options in [], ["--preset=ink_only", "--set=light_source=CYCLES", "--set=line_thickness=9",
-                    "--set=line_shadow_pen=PEN"]:
+                    "--set=line_shadow_pen=PEN_1"]:
         assert works(encre("composite", slim, "-o", tmp_path / "a.exr", *options)) == ""
         works(encre("composite", whole, "-o", tmp_path / "b.exr", *options))
         a, b = (exr.part(tmp_path / f"{name_}.exr", name) for name_ in "ab")
@@ -215,12 +215,12 @@ def test_blend_file(tmp_path):
     Encre that named them otherwise."""
     blend = tmp_path / "cube.blend"
     path = script(tmp_path, 'scene.encre.line_thickness = 21\nscene.render.engine = "CYCLES"\nscene.frame_current = 7\n'
-                            'scene.encre["line_crease_strength"] = 2.0\n'
+                            'scene.encre["edge_normal"] = 2.0\n'
                             f'bpy.ops.wm.save_as_mainfile(filepath={str(blend)!r})\n')
     works(encre("render", path, "-o", tmp_path / "a.exr"))
     before = blend.read_bytes()
     said = works(encre("render", blend, "-o", tmp_path / "b.exr"))
-    assert "frame 7 (1/1)" in said and "does not know, and which change nothing: line_crease_strength;" in said
+    assert "frame 7 (1/1)" in said and "does not know, and which change nothing: edge_normal;" in said
     assert metadata.read(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
     assert blend.read_bytes() == before
 
