@@ -4,6 +4,7 @@
 import numpy as np
 
 from .metric import clamp01
+from .params import shortest
 from .passes import COLOR, COLUMN, LIGHT, NUMBER, ROW, SEEN, px
 from .view import SUGGESTIVE, SURE, turn
 
@@ -207,7 +208,7 @@ def ease(t, params, style, number, scale):
     known = set()
     for name, (lines, clear) in kinds.items():
         lines = lines & ~t.dropped
-        least = params.at(name + "_length", style[t.site["near_y"], t.site["near_x"]]) * scale
+        least = params.at(shortest(name), style[t.site["near_y"], t.site["near_x"]]) * scale
         for first in np.flatnonzero(lines):
             if first in known:
                 continue

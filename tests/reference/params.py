@@ -20,6 +20,11 @@ def width(source):
     return f"line_{CALLED[source]}_width"
 
 
+def shortest(source):
+    """That of the length below which they are thinner."""
+    return f"line_{CALLED[source]}_shortest"
+
+
 DEFAULTS = {
     # edges
     "edge_detector": "DOG", "depth_space": "INVERSE", "color_detector": "CONTRAST", "color_layer": "ALBEDO",
