@@ -80,7 +80,7 @@ class Frames:
         """Has `cycles` (cycles.engine) render a view layer. EncreError: the settings or the camera can't be used, or
         a stage fails; Cancelled."""
         wanted.refuse_long_names(depsgraph.scene)
-        if lost := properties.unknown(depsgraph.scene):
+        if self.settings and (lost := properties.unknown(depsgraph.scene)):
             self.engine.say("WARNING", f"settings that this version of Encre does not know, and which change nothing: "
                                        f"{', '.join(lost)}; set what has their place, as the list of changes tells it")
         if self.fast:

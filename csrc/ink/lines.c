@@ -205,7 +205,7 @@ static void finish_row(const lines *l, const canvas *c, int y)
 	if (f->output[ENCRE_OUTPUT_LINES].data)
 		lines = memset(output_row(f, ENCRE_OUTPUT_LINES, y), 0, bytes);
 	if (c->open[y - c->y0])
-		ink_row(c, y, (const float(*)[3])l->capsules.ink, l->color, rgba, lines);
+		ink_row(c, y, (const float (*)[3])l->capsules.ink, l->color, rgba, lines);
 }
 
 /* ---- bands ----------------------------------------------------------------------------------------------- */
