@@ -57,7 +57,8 @@ def steps(layer, passes, outputs):
         mine = replace(layer, views={name: (view, dict(maps), *rest)})  # maps are popped as they are read
         return _layers(mine, name, 0, passes, lambda _name, _picture: None, None, False, clean=clean)[0]
 
-    images = assembled(dict(passes), lambda picture, steps: asked.append(steps) or picture)
+    # A copy: light that is its own picture counts as not cleaned, and what is beside it would not be asked for.
+    images = assembled(dict(passes), lambda picture, steps: asked.append(steps) or picture.copy())
     if asked:
         images.clear()
         yield []

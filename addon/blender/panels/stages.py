@@ -2,7 +2,8 @@
 """The closed panels below the front: every row of the parameter table has a place in one of them.
 
 A panel shows its first rows, and what is turned less often in folds below. Rows that no panel names, as new ones, are
-in the fold "More" of the panel that has their stage. Rows of pens and tones are in lists (lists.py).
+in the fold "More" of the panel that has their stage, and a stage that none has gets a panel. Rows of pens and tones are
+in lists (lists.py).
 """
 
 import functools
@@ -113,12 +114,23 @@ def _drawing(rows, more=None):
 
 
 @functools.cache
+def groups():
+    """GROUPS, and a panel of its own for each stage that they know nothing of."""
+    known = {stage for group in GROUPS for stage in (*group.stages, *(fold.stage for fold in group.folds))}
+    known |= {library.params()[group.switch].stage for group in GROUPS if group.switch}
+    return (*GROUPS, *(
+        Group(stage.id, stage.label, (stage.id,), tuple(p.id for p in stage.params if not p.switch),
+              switch=stage.switch.id if stage.switch else "")
+        for stage in library.stages() if stage.id not in known))
+
+
+@functools.cache
 def places():
     """{id of a panel: the rows that it shows}, of every panel below the front."""
     params = library.params()
-    named = {id_ for group in GROUPS for id_ in (*group.rows, *(row for fold in group.folds for row in fold.rows))}
+    named = {id_ for group in groups() for id_ in (*group.rows, *(row for fold in group.folds for row in fold.rows))}
     found = {}
-    for group in GROUPS:
+    for group in groups():
         found[group.id] = [params[id_] for id_ in group.rows]
         taken = {fold.stage for fold in group.folds}
         for fold in group.folds:
@@ -139,7 +151,7 @@ def _left(stage, named):
 def classes():
     """The panel classes, in the order in which they are shown."""
     switches, made = {stage.id: stage.switch for stage in library.stages()}, []
-    for group in GROUPS:
+    for group in groups():
         made.append(_panel(group.id, "encre", group.label, _drawing(places()[group.id], group.draw), group.switch))
         for fold in group.folds:
             switch = switches.get(fold.stage)
