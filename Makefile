@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# make demo | gallery | docs | languages | hashes | test | test-all | test-long | mutate | bench | bench-peers |
+# make demo | gallery | scenes | docs | languages | hashes | test | test-all | test-long | mutate | bench | bench-peers |
 # bench-live | lint | site | extension | release | clean. Each sets up what it needs in .venv.
 
 PYTHON ?= $(firstword $(foreach p,python3.11 python3.13 python3,$(shell command -v $(p) 2>/dev/null)))
@@ -9,7 +9,7 @@ RUN := .venv/bin/python
 # Python keeps what it has compiled, whatever the shell says: tests begin hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo gallery docs site languages hashes extension release blenders libraries test test-all test-long mutate bench \
+.PHONY: demo gallery scenes docs site languages hashes extension release blenders libraries test test-all test-long mutate bench \
 	bench-peers bench-live lint clean build
 
 .venv/ready: pyproject.toml
@@ -36,18 +36,23 @@ demo: build
 gallery: build
 	$(RUN) scenes/gallery.py build/gallery $(wildcard ../shared/data/suzanne.blend)
 
+# Each scene as a .blend in build/scenes, with its painted controls and settings.
+scenes: build
+	@for scene in $$(grep -l "def build()" scenes/*.py); do .venv/bin/python scenes/save.py $$scene build/scenes || exit; done
+
 # The pages and tables of docs/ that are computed without Blender: a quarter of an hour and more.
 docs: build
 	$(RUN) tests/helpers/pages.py
 
-# docs/ as a site in build/site: fails where a link leads nowhere.
-build/site-tools/ready:
+# docs/ as a site in build/site: fails where a link leads nowhere, or the search does not find what artists ask.
+build/site-tools/ready: Makefile
 	$(PYTHON) -m venv $(@D)
-	$(@D)/bin/python -m pip install -q "mkdocs-material==9.*"
+	$(@D)/bin/python -m pip install -q "mkdocs-material==9.*" quickjs
 	@touch $@
 
 site: build/site-tools/ready
 	build/site-tools/bin/mkdocs build --strict --quiet
+	build/site-tools/bin/python tools/asked.py build/site
 
 # What random jobs draw, after a change that is to be seen: tests/helpers/hashes.txt.
 hashes: build

@@ -27,9 +27,23 @@ def _modules():
     except EncreError as error:
         print(f"encre: {error}", file=sys.stderr)
         return (engine,)  # it says so to whoever renders
-    from .blender import bake, escape, migration, opened, panels, properties, redraw, study, subframes, threads
+    from .blender import (
+        bake,
+        chosen,
+        escape,
+        grease,
+        migration,
+        opened,
+        panels,
+        properties,
+        redraw,
+        study,
+        subframes,
+        threads,
+    )
 
-    return threads, properties, migration, engine, escape, redraw, opened, subframes, panels, bake, study
+    return (threads, properties, migration, engine, chosen, escape, redraw, opened, subframes, panels, bake, grease,
+            study)
 
 
 def _elsewhere():

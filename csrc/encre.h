@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 20 };
+enum { ENCRE_API_VERSION = 23 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -59,24 +59,11 @@ enum encre_layer {
 	ENCRE_LAYER_MATERIAL,     /* 1: material index, likewise */
 	ENCRE_LAYER_STYLE,        /* 1: style number, 0 = the scene's (absent: 0) */
 	ENCRE_LAYER_CONTROLS,     /* painted controls -1..1, one for each encre_control_info() (absent: 0) */
-	ENCRE_LAYER_MARKS, /* 2: where lines that were drawn by hand pass between pixels: on the way from a pixel's
-				 centre to that of its right, and of its lower neighbour, 0 < place <= 1;
-				 0 = nowhere; -place: no line, but a contour passes there, if any; less by 2 for
-				 each step that what it bounds lies before what is behind it, at most 7: the first
-				 is 1/4320 of the frame's height, as large as it is there, each further one twice as
-				 far. From the first on it is a line; -18 - place: the middle of what passes there and
-				 covers the centre of neither; -16 - place: nothing that counts (absent: 0) */
 	/* What the eye sees: in a mirror the thing mirrored, through clear glass the thing behind it, else the surface
 	   itself; averaged over the pixel. FINE draws lines in it if seen_color and seen_normal are there. */
 	ENCRE_LAYER_SEEN_COLOR,  /* 3: unlit colour */
 	ENCRE_LAYER_SEEN_NORMAL, /* 3: normal in the space of the camera, which looks along -z */
 	ENCRE_LAYER_SEEN_DEPTH,  /* 1: as depth, along the way that light takes; 0 = nothing there (may be absent) */
-	ENCRE_LAYER_CREASES,     /* 5: where edges of meshes pass, and by how many degrees the surface bends there: on
-				    the way to the right neighbour place and bend, to the lower one place and bend; as in
-				    marks 0 < place <= 1, 0 = nowhere; bend negative: shaded smoothly; 360 more than it is:
-				    over several faces. Fifth: by how many degrees the faces of the pixels on both sides of
-				    it differ, in whatever direction they do most; negative: no mesh tells of this pixel
-				    (absent: of none) */
 	ENCRE_LAYER_HIGHLIGHTS,  /* 3: what of specular comes straight from lamps (absent: 0) */
 	ENCRE_LAYER_BACKGROUND,  /* 3: what of combined is light of the world behind everything (absent: all of it where
 				    nothing is there, else 0) */
@@ -209,7 +196,8 @@ typedef bool (*encre_progress)(void *user, double fraction);
 typedef struct encre_camera {
 	float view[9];        /* rotation world -> camera, row by row: of length 1, at right angles; may be mirrored */
 	int32_t orthographic; /* 0 or 1 */
-	float height;         /* orthographic: height of the full frame in scene units, > 0 */
+	float height;         /* height of the full frame in scene units, orthographic: > 0; perspective: at a depth
+				 of 1, by which paint lies still in the sky; 0: not known */
 	float distance;       /* perspective: depth of what the picture is about, which a relative line_far_distance
 				 is a multiple of; 0: not known, and that is in scene units */
 	float light; /* with shade_meter LAMPS: diffuse light that is full light, 1; 0: not known, and light is as it
@@ -239,6 +227,8 @@ enum encre_chain_kind {
 	ENCRE_CHAIN_FLUSH = 1024,   /* beside others: the surface goes on at the same depth in another one, of the same
 				       object or material: a line by its bend alone */
 	ENCRE_CHAIN_ROUND = 2048,   /* beside others: of a form that is shaded as if it were round */
+	ENCRE_CHAIN_HIDDEN = 4096,  /* beside others: something lies before it */
+	ENCRE_CHAIN_COLOR = 8192,   /* colors part in an image that lies on the surface */
 };
 
 /* Why a run ends. */
@@ -256,9 +246,11 @@ typedef struct encre_chain_point {
 	float x, y;     /* pixels of the full frame; centres are whole numbers */
 	float depth;    /* along the view axis, scene units */
 	float bend;     /* degrees by which the surface bends across the edge, crease_offset included; MARK: 180 */
-	float gap;      /* CONTOUR, BORDER: pixels by which it lies before what is behind; 1e9: nothing is */
+	float gap;      /* CONTOUR, BORDER: pixels by which it lies before what is behind; 1e9: nothing is; HIDDEN: how
+			   many meshes lie before it */
 	float along[2]; /* pixels along the whole edge, of any border of the frame, at the point before and here */
-	float fade;     /* 0..1: how much of its width it has */
+	float over;     /* BEVEL: degrees by which the surface bends over the faces beside it, too; else 0 */
+	float fade;     /* BEVEL: 0..1: how much of the width it has that this would give it; else 0 */
 	int32_t mesh;   /* number of the mesh in its job; of MEET that of the first of both */
 	int32_t edge;   /* number of the edge in the mesh, or of the meet: less than 2^24; with `mesh` its identity */
 	int32_t kind;   /* bits of enum encre_chain_kind */
@@ -267,7 +259,52 @@ typedef struct encre_chain_point {
 	int32_t behind; /* CONTOUR, BORDER: of what is seen beyond it; 0: nothing */
 	int32_t run;    /* ascending from 0 */
 	int32_t end;    /* of the first and the last of a run: enum encre_chain_end; else ENCRE_END_NONE */
+	int32_t color[2]; /* COLOR: what it parts, left and right of the way: sRGB, 0xrrggbb; else 0 */
 } encre_chain_point;
+
+/* What a line is, by what lies on its two sides: whose settings draw it. */
+enum encre_line {
+	ENCRE_LINE_OUTLINE = 0, /* something before another thing, or before nothing */
+	ENCRE_LINE_CONTACT,     /* beside what it touches */
+	ENCRE_LINE_INNER,       /* one part of a thing before another */
+	ENCRE_LINE_CREASE,      /* where a surface bends */
+	ENCRE_LINE_INTERSECTION,
+	ENCRE_LINE_MATERIAL,
+	ENCRE_LINE_COLOR,
+	ENCRE_LINE_SHADOW, /* between levels of light */
+	ENCRE_LINE_MIRROR,
+	ENCRE_LINE_SUGGESTIVE,
+	ENCRE_LINE_MARK,
+	ENCRE_LINE_HIDDEN, /* behind other things */
+	ENCRE_LINE_COUNT
+};
+
+typedef struct encre_line_description {
+	const char *id;    /* static storage: as in the parameter line_<id>_pen */
+	const char *label; /* what several of them are called */
+} encre_line_description;
+
+/* NULL past the end. */
+ENCRE_API const encre_line_description *encre_line_info(int32_t line);
+
+/* A point of a stroke: of a polyline that a pen has drawn, as wide and as dark as it is there by the hand's pressure,
+ * taper, wobble, dashes and overshoot; bristles, pictures along it and the grain of paper are left out. Those of a
+ * stroke follow each other; a dot has one. Where strokes cross, a later one lies over an earlier one. */
+typedef struct encre_stroke_point {
+	float x, y;     /* pixels of the full frame; centres are whole numbers */
+	float width;    /* pixels, at least 0: to where the ink is half as dark */
+	float ink[4];   /* scene-linear colour, and how dark it is in its middle, 0..1 */
+	float depth;    /* along the view axis, scene units */
+	int32_t stroke; /* ascending from 0 */
+	int32_t kind;   /* enum encre_line: of the whole stroke */
+	int32_t object; /* of the whole stroke: number of the object that the line is of; 0: not known */
+	int32_t mesh;   /* where `chains` tell the line: as in encre_chain_point; else -1 */
+	int32_t edge;   /* likewise */
+	int32_t pass;   /* of a pen that draws each line several times: which, from 0 */
+	int32_t end;   /* of the first and the last of a stroke: enum encre_chain_end; else, and where the stroke is cut
+			  as its kind or its object changes or a dash ends, ENCRE_END_NONE */
+	int32_t hider; /* of ENCRE_END_HIDDEN: number of the object that lies before it; else 0 */
+} encre_stroke_point;
 
 typedef struct encre_job {
 	encre_image layers[ENCRE_LAYER_COUNT];
@@ -287,8 +324,14 @@ typedef struct encre_job {
 	 * shapes from it where `chained` tells so, and finds the others in the layers. */
 	const encre_chain_point *chains;
 	int64_t n_chains;
-	const uint8_t *chained; /* by object number: 1 = all its lines of shapes are in `chains` */
+	const uint8_t *chained; /* by object number, bits: 1 = all its lines of shapes are in `chains`, 2 = all of
+				 * colors on its surfaces */
 	int64_t n_chained;
+	int32_t tell_strokes; /* 1: `strokes` are asked for, which edge_detector FINE alone has; 0: not */
+	int32_t reserved_2;
+	/* out, where asked for: the context's own, until its next job of this kind that asks */
+	const encre_stroke_point *strokes;
+	int64_t n_strokes; /* how many points */
 } encre_job;
 
 /* `api_version`: ENCRE_API_VERSION of the caller. NULL if it is not this library's, or without memory. */
@@ -305,17 +348,18 @@ ENCRE_API const char *encre_error(const encre_context *context);
 
 /* Runs all stages. `combined`, `color`, `diffuse`, `depth`, `normal` and params are required; every present image
  * must have the channels that encre_layer_info() tells and one common size of at least 1x1 and at most
- * 65536x65536, and one output at least be present. With the switches of all stages (is_switch) off in every style, the
- * output combined equals the layer bit for bit but for values that are not finite; unless edges or light are asked for,
- * no other layer is read then. Distances to edge pixels have 16 bits: images with a diagonal of more than 32766 pixels
- * are refused where lines by line_search NEAREST or smudging reach farther than that. */
+ * 65536x65536, and one output at least be present, or strokes be asked for. With the switches of all stages
+ * (is_switch) off in every style, the output combined equals the layer bit for bit but for values that are not finite;
+ * unless edges or light are asked for, no other layer is read then. Distances to edge pixels have 16 bits: images with
+ * a diagonal of more than 32766 pixels are refused where lines by line_search NEAREST or smudging reach farther than
+ * that. */
 ENCRE_API int32_t encre_render(encre_context *context, encre_job *job);
 
 /* ---- rasteriser ------------------------------------------------------------------------------------------ */
 
 enum encre_primitive {
 	ENCRE_TRIANGLES = 0, /* 3 corners each */
-	ENCRE_LINES = 1,     /* 2 corners each; only the output `marks` shows them */
+	ENCRE_LINES = 1,     /* 2 corners each: lines by hand, which only encre_chains() shows */
 };
 
 /* One mesh. Attributes are interpolated perspective-correctly between corners; lines have none, and no numbers. */
@@ -371,26 +415,12 @@ typedef struct encre_raster_job {
 	encre_image attributes;  /* out, n_channels; 0 = nothing */
 	encre_progress progress; /* may be NULL */
 	void *user;
-	encre_image marks;      /* out, 2: the layer `marks` of what can be seen of the lines, of several that pass
-				   between the same pixels the first; where none does, of the contours of triangles:
-				   edges, found by the indices of corners, at which a surface ends or turns away or
-				   numbers change; of several of them the outermost of the surface in front. Where a
-				   surface folds it lies before what is behind it by a step at least. Where two contours
-				   pass in front of what is at both pixels, -18 less the middle between them; of one
-				   alone -16 less its place */
-	encre_image creases;    /* out, 4: the layer `creases`: of edges between two triangles of a mesh, by the indices
-				   of corners, that bend by 5 degrees or more and can be seen; of several that pass
-				   between the same pixels the one that bends most; and with a bend of 180 where pieces of
-				   meshes, that hang together by the indices of corners, pass through each other: these
-				   places are contours in `marks`, too, if both are asked for. With
-				   `normal` and `object`, instead of edges that are part of a bend over several faces,
-				   which is narrow on the screen, its middle, with 360 degrees more than it bends */
 	encre_image coincident; /* out, 1: the object number of a later surface that coincides with the one in front and
 				   is of another object; 0 = none */
 	encre_image shading;    /* out, 3: by which the surface is shaded: the meshes' normals, interpolated and of
 				   length 1, world space, on the side of `normal`'s face; where there are none, `normal` */
-	encre_image beyond;  /* in, 1: only what lies farther than this is drawn; at `depth`'s 1e10 nothing is. It hides
-				no line. May be absent */
+	encre_image beyond;  /* in, 1: only what lies farther than this is drawn; at `depth`'s 1e10 nothing is. May be
+				absent */
 	encre_image anchor;  /* out, 16: the layer `anchor`; 0 = nothing. A pixel's span is that of the whole mesh, by
 				how large its surface is in the world and at rest, so that it does not jump from face to
 				face. Derivatives are those of the face in front, exact, of one that is seen on its edge
@@ -402,12 +432,22 @@ typedef struct encre_raster_job {
 
 /* Draws the front-most surface at every pixel centre: z-tested, clipped at clip_start, back faces kept, adjacent
  * triangles neither overlap nor leave gaps (top-left rule); where surfaces coincide, as far as floats tell: the earlier
- * mesh, then the earlier primitive. A line is hidden where it lies more than half a pixel behind the surfaces on both
- * sides. Absent outputs are skipped; present ones share one size, and one is present at least. Arrays of meshes lie at
- * multiples of 4, the meshes at one of 8. Indices out of range are an error. */
+ * mesh, then the earlier primitive. Absent outputs are skipped; present ones share one size, and one is present at
+ * least. Arrays of meshes lie at multiples of 4, the meshes at one of 8. Indices out of range are an error. */
 ENCRE_API int32_t encre_raster(encre_context *context, encre_raster_job *job);
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */
+
+/* An image on surfaces, as they look without light. */
+typedef struct encre_colored {
+	int64_t key;           /* a number that no other colors have */
+	int32_t width, height; /* 1 to ENCRE_MAX_COLORED */
+	const float *colors;   /* height x width x 3, scene-linear; v = 0 is the first row's lower end */
+	int32_t wrap;          /* beyond 0..1: enum encre_extension, or ENCRE_MIRROR */
+	int32_t closest;       /* 1: texels are not mixed */
+} encre_colored;
+
+enum { ENCRE_MIRROR = 3, ENCRE_MAX_COLORED = 8192 };
 
 typedef struct encre_chain_job {
 	const encre_mesh *meshes; /* as in encre_raster_job */
@@ -423,6 +463,16 @@ typedef struct encre_chain_job {
 	/* out: the context's own, until its next job of this kind */
 	const encre_chain_point *points;
 	int64_t n_points;
+	int32_t most_before; /* what is hidden is told, too, where so many meshes lie before it at most; 0: it is not */
+	int32_t reserved;
+	/* Where colors part in images that lie on the meshes, by their uv; found once for each image, as long as jobs
+	 * have it. */
+	const encre_colored *images;
+	int32_t n_images;
+	int32_t n_image;      /* numbers of materials that `image` knows */
+	const int32_t *image; /* by number of material: which of the images its colors are those of; -1: of none */
+	const void *params;   /* as in encre_job: what tells which contrast can be a line; NULL: none is */
+	int32_t n_styles, spare;
 } encre_chain_job;
 
 /* Finds the lines that meshes know, as runs along their edges, each as far as it can be seen. The same bytes on any
@@ -519,6 +569,7 @@ typedef struct encre_light_job {
 	bool sharp; /* shadows are those of lamps without a size, which takes a half to a third of the time */
 	bool rims;  /* beside other things light is that of half a pixel within, and bounded by what the same one has
 		     * about: no dashes nor single pixels in tones */
+	bool unshadowed;         /* nothing throws shadows */
 	encre_progress progress; /* may be NULL */
 	void *user;
 } encre_light_job;
@@ -593,13 +644,29 @@ typedef struct encre_program {
 	int32_t result[ENCRE_RESULTS];     /* registers; what is left in several may be the same */
 } encre_program;
 
-/* Scene-linear colours with alpha, 4 numbers a texel, row 0 at the bottom, of levels of detail one after the other:
- * each half as wide and high as the one before, rounded down, but at least 1. */
+/* Colours with alpha, 4 numbers a texel, row 0 at the bottom, of levels of detail one after the other: each half as
+ * wide and high as the one before, rounded down, but at least 1. Either scene-linear `texels`; or `bytes`, whose
+ * colours the 256 finite numbers of `curve`, none below the one before, make scene-linear once those between texels are
+ * known, and whose alpha is in 255ths. */
 typedef struct encre_picture {
 	const float *texels;
+	const uint8_t *bytes;
+	const float *curve;
 	int32_t width, height, levels;
-	int32_t wrap; /* enum encre_extension */
+	int32_t wrap;     /* enum encre_extension */
+	int32_t straight; /* 1: colours of bytes are to be multiplied by alpha */
+	int32_t reserved;
 } encre_picture;
+
+/* Writes the levels of detail behind the first one of a picture of bytes, each texel the mean light of up to four.
+ * bytes: those of the picture, which is else as encre_material() takes it. */
+ENCRE_API int32_t encre_picture_levels(encre_context *context, const encre_picture *picture, uint8_t *bytes);
+
+/* Gives a picture flat colors, `most` (1 to ENCRE_MAX_FLAT) at most: areas in which little changes, or changes slowly,
+ * get one color, and texels at their borders are mixed as before. Writes the first level, alpha apart; what alpha
+ * leaves out (below one half) stays. texels: the picture's own `texels` or `bytes`. */
+enum { ENCRE_MAX_FLAT = 64 };
+ENCRE_API int32_t encre_flatten(encre_context *context, const encre_picture *picture, int32_t most, void *texels);
 
 typedef struct encre_materials {
 	const encre_program *programs; /* by the number of the material */
@@ -656,6 +723,38 @@ enum { ENCRE_MAX_TEXELS = 32768 };
  * radius line_thickness * strength / 2 about its centre, with it an ellipse about the boundary that it sees. */
 ENCRE_API int32_t encre_bake(encre_context *context, encre_bake_job *job);
 
+/* ---- samples --------------------------------------------------------------------------------------------- */
+
+/* Light from which a denoiser could not take all noise, evened out, so that levels of it end in smooth curves: never
+ * across an outline or a fold, and where nothing was noisy nothing changes. All images have the same size. */
+typedef struct encre_even_job {
+	encre_image light;       /* 3: denoised; changed in place */
+	encre_image rendered;    /* 3: as it was rendered */
+	encre_image normal;      /* 3 */
+	encre_image depth;       /* 1: as in enum encre_layer */
+	encre_image object;      /* 1, or absent: numbers of objects */
+	encre_progress progress; /* may be NULL */
+	void *user;
+} encre_even_job;
+
+/* Pixels around a part of a frame from which on it comes out as in the whole. */
+enum { ENCRE_EVEN_REACH = 64 };
+
+ENCRE_API int32_t encre_even(encre_context *context, encre_even_job *job);
+
+/* The mean of each factor x factor pixels of a large picture. */
+typedef struct encre_average_job {
+	encre_image large; /* `factor` times as wide and as high as `output`, of as many channels, at most
+			      ENCRE_MAX_CHANNELS */
+	encre_image output;
+	int32_t factor; /* 1 or more */
+	int32_t reserved;
+	encre_progress progress; /* may be NULL */
+	void *user;
+} encre_average_job;
+
+ENCRE_API int32_t encre_average(encre_context *context, encre_average_job *job);
+
 /* ---- others' functions ----------------------------------------------------------------------------------- */
 
 typedef void (*encre_function)(void *argument);
@@ -680,6 +779,8 @@ enum encre_kind {
 	ENCRE_MATERIAL = 4, /* encre_material_job */
 	ENCRE_CALL = 5,     /* encre_call_job */
 	ENCRE_CHAINS = 6,   /* encre_chain_job */
+	ENCRE_EVEN = 7,     /* encre_even_job */
+	ENCRE_AVERAGE = 8,  /* encre_average_job */
 };
 
 /* A job of some kind, with progress NULL. */

@@ -68,6 +68,31 @@ def box(name, size, at, material, bevel=0.01, turn=0, parent=None):
     return modifier(obj, "BEVEL", width=bevel, segments=2) if bevel else obj
 
 
+def paintable(name, size, at, material, every=0.12, turn=0, parent=None):
+    """As box(), without a bevel, with a vertex every so many metres: what is painted on it can have a shape."""
+    n = [max(1, round(side / every)) for side in size]
+    verts, faces, known = [], [], {}
+
+    def vertex(*k):
+        if k not in known:
+            known[k] = len(verts)
+            verts.append([(k[a] / n[a] - (0.5 if a < 2 else 0)) * size[a] for a in range(3)])
+        return known[k]
+
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        for end in (0, n[a]):
+            for i in range(n[b]):
+                for j in range(n[c]):
+                    corners = []
+                    for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                        k = [0, 0, 0]
+                        k[a], k[b], k[c] = end, i + di, j + dj
+                        corners.append(vertex(*k))
+                    faces.append(corners if end else corners[::-1])
+    return place(mesh_object(name, verts, faces, material, parent=parent), at, (0, 0, turn))
+
+
 def ball(name, at, radii, material, turn=(0, 0, 0), parent=None):
     """An ellipsoid: a cube that subdivision rounds."""
     verts = [(i, j, k) for k in (-0.6, 0.6) for i, j in ((-0.6, -0.6), (0.6, -0.6), (0.6, 0.6), (-0.6, 0.6))]
@@ -262,6 +287,30 @@ def paint(control, names, value):
             encoded = (min(1, max(-1, amount)) + 1) / 2
             grey = encoded / 12.92 if encoded <= 0.04045 else ((encoded + 0.055) / 1.055) ** 2.4
             attribute.data[i].color = (grey, grey, grey, 1)
+
+
+def dabs(spots, base=0):
+    """For paint(): `base`, but for dabs of a soft brush: {(x, y, z): (radius, amount)}; full in the inner half."""
+    def value(co):
+        found = base
+        for at, (radius, amount) in spots.items():
+            share = ramp((co - Vector(at)).length, radius, radius / 2)
+            found += share * (amount - found)
+        return found
+    return value
+
+
+def look(levels=None, **values):
+    """Settings of Encre's that the file keeps, where Encre is. levels: (intensity, threshold, transition), darkest
+    first."""
+    own = getattr(bpy.context.scene, "encre", None)
+    if own is None:
+        return
+    for name, value in values.items():
+        setattr(own, name, value)
+    for level in levels or ():
+        row = own.shade_levels.add()
+        row.intensity, row.threshold, row.transition = level
 
 
 def mark(obj, pick):

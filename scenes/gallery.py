@@ -31,6 +31,10 @@ SCENES = {  # name: what is to be seen
     "mirrors": "a girl before a mirror, a table with glasses",
     "terrain": "a girl asks for a lift on a desert road",
 }
+PANELS = {  # drawn by their own settings, for docs/theses.md, too
+    "panel_one": "a door by the sea, half in the shade of a canopy",
+    "panel_two": "a girl with an umbrella and a cat on a chest, before a striped windbreak",
+}
 # A .blend that came without its pictures and without a lamp is black on magenta: its shapes are shown in plaster.
 LIT = """import bpy
 with bpy.data.libraries.load({path!r}) as (there, here):
@@ -136,6 +140,21 @@ def controls(folder, size, samples):
     shrink(full, ROOT / "docs" / "painting_nodes.jpg")
 
 
+def panels(folder, size, samples, only):
+    """The two panels after Vainumäe, each as its file says; their part of the page."""
+    page = "## Two panels\n\nEach by its own settings; [theses.md](theses.md#two-panels) tells point by point what "
+    page += "they show.\n\n"
+    for name, words in PANELS.items():
+        if not only or name in only:
+            frame, full = folder / f"{name}.exr", folder / f"{name}.png"
+            encre("render", ROOT / "scenes" / f"{name}.py", "-o", frame, "--size", size, "--samples", samples,
+                  "--resume")
+            encre("composite", frame, "-o", full)
+            shrink(full, ROOT / "docs" / "scenes" / f"{name}.jpg")
+        page += f"![{words}](scenes/{name}.jpg)\n\n"
+    return page
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--size", default="1920x1080")
@@ -163,6 +182,7 @@ def main():
                 encre("composite", frame, "-o", full, "--preset", PRESETS[preset])
                 shrink(full, ROOT / "docs" / "scenes" / f"{picture}.jpg")
         page += f"## `{source.name}`\n\n" + table(words, list(drawn.items()))
+    page += panels(args.folder, args.size, args.samples, args.only)
     if not args.only or CONTROLS in args.only:
         controls(args.folder, args.size, args.samples)
     if not args.only:

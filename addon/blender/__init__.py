@@ -15,14 +15,15 @@ what Python needs on a render's thread and beside one. bake draws into textures;
 presets, in other languages by languages; pens has what artists call theirs, front what is said of many settings at
 once.
 
-wanted asks a view layer for passes, known is what of one is known before. fast reads a scene once and draws its layers
-from any side: materials compiles node trees, by nodes, shaders, inputs, patterns, values and sums, with trees to follow
-links, attributes for what meshes have, pictures and their spaces of colours; hair makes triangles of strands, cutouts
-tells where surfaces are solid, worlds and volumes what is around, mirrors what flat ones show, filters what a view
-layer leaves out, unseen says what Encre does.
+wanted asks a view layer for passes, known is what of one is known before. fast reads a scene once, and fast_scene draws
+its layers from any side: materials compiles node trees, by nodes, shaders, inputs, patterns, values and sums, with
+trees to follow links, attributes for what meshes have, pictures and their spaces of colours, colored which materials
+have theirs from an image alone; hair makes triangles of strands, cutouts tells where surfaces are solid, worlds and
+volumes what is around, mirrors what flat ones show, filters what a view layer leaves out, unseen says what Encre does.
 lamps is the drawn light's scene, meter how much is full light, subject how far away the picture's subject stands.
 painting makes and fills attributes of controls, control_nodes does so by Geometry Nodes, strokes turns drawings into
-marks. handlers is what Blender calls by itself, migration keeps old files' look, listener waits for a key.
+marks, grease the picture's lines into drawings. handlers is what Blender calls by itself, migration keeps old files'
+look, chosen gives new scenes a first one, listener waits for a key.
 study shows people two looks side by side and asks which they prefer.
 skies tells the light of a world and what is seen of it, receivers what light things receive.
 

@@ -29,10 +29,12 @@ def read(mesh, wanted, points, loops, corners, face):
                 found[kind, name] = values
         elif kind == "uv":
             if (values := _uv(mesh, name, loops, corners, face)) is not None:
-                found[kind, name] = values
+                found[kind, name] = np.broadcast_to(values, (len(loops), 3, 3))
         elif kind != "light":  # which comes later
             values = _attribute(mesh, name, loops, corners, face)
             if values is not None:
+                if kind == "fac" and mesh.attributes[name].data_type == "FLOAT2":
+                    values = values * np.float32(1.5)  # the mean of two
                 found[kind, name] = np.broadcast_to(_KINDS[kind](values), (len(loops), 3, 3))
             elif kind == "opaque":
                 found[kind, name] = np.ones((len(loops), 3, 3), np.float32)
@@ -52,10 +54,13 @@ def _facing(places):
     return (across / np.where(length > 0, length, 1)).astype(np.float32)[:, None].repeat(3, 1)
 
 
-def _uv(mesh, name, loops, _corners, _face):
-    """Of a map that is named and not there Cycles knows nothing, either."""
+def _uv(mesh, name, loops, corners, face):
+    """A map that is named may be any attribute, as nodes leave them."""
     layer = mesh.uv_layers.get(name) if name else next((u for u in mesh.uv_layers if u.active_render), None)
-    return _three(get(layer.data, "uv", np.float32, 2))[loops] if layer else None
+    if layer:
+        return _three(get(layer.data, "uv", np.float32, 2))[loops]
+    values = _attribute(mesh, name, loops, corners, face) if name else None
+    return None if values is None else values[..., :3]
 
 
 MIRRORED = 4  # how long tangents are where the UV map is mirrored
@@ -63,7 +68,7 @@ MIRRORED = 4  # how long tangents are where the UV map is mirrored
 
 def _tangents(mesh, name, points, loops, corners, face):
     """(t, 3, 3): where U grows, as normal maps are made for."""
-    layer = mesh.uv_layers.get(name) or next((u for u in mesh.uv_layers if u.active_render), None)
+    layer = mesh.uv_layers.get(name) if name else next((u for u in mesh.uv_layers if u.active_render), None)
     if layer is None:
         return None
     if get(mesh.polygons, "loop_total", np.int32).max() > 4:  # of such a mesh Blender knows none

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..pen import background, denoise, haze, layers, library, overlay, saved, supersample, through
-from . import memory, versions, volumes
+from . import memory, versions, volumes, wanted
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
 
@@ -32,7 +32,10 @@ def draw(engine, layer, view_id, passes, write, go_on, shown=None, hasty=False):
     if not layer.outputs:
         return nonfinite
     drawn = library.draw(images, layer.settings.every, layer.views[name][0], frame_of(layer), outputs=layer.outputs,
-                         threads=layer.threads, progress=go_on, image=layer.images.__getitem__)
+                         threads=layer.threads, progress=go_on, image=layer.images.__getitem__,
+                         strokes=wanted.strokes is not None)
+    if drawn.strokes is not None:
+        wanted.tell(drawn.strokes, *layer.views[name][2:], frame_of(layer), layer.objects.called())
     images.clear()
     for one in list(drawn.images):
         write(one, drawn.images.pop(one))
@@ -88,8 +91,12 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
     index = passes.pop("IndexOB")[..., 0]
     instance = maps["object"].reshape(index.shape)
     caught = objects.catchers[instance] & (objects.owners[instance] == index) if objects.catchers.any() else None
+    if caught is not None:  # light on it is no part of Combined, from which drawn light would take it
+        passes = dict(passes)
+        bare = overlay.with_beside(caught, index == 0)[..., None]
+        passes["DiffCol"] = np.where(bare, np.float32(0), passes["DiffCol"])
     del instance
-    clear, foggy, depth, decided = maps.pop("through", None), maps.pop("haze", None), None, ()
+    clear, foggy, depth = maps.pop("through", None), maps.pop("haze", None), None
     given = index
     size = layer.factor * layer.place.width, layer.factor * layer.place.height
     fog = volumes.window(layer.volumes, view, projection, frame, size)
@@ -103,11 +110,10 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
             write(versions.pass_name(one), passes[one])  # as drawing the file again reads it
         del known
     if clear:
-        index, depth, decided = through.settled(index, passes["Depth"][..., 0] if depth is None else depth, clear,
-                                                maps["object"], objects.owners)
+        index, depth = through.settled(index, passes["Depth"][..., 0] if depth is None else depth, clear,
+                                       maps["object"], objects.owners)
         del clear
-    known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays, objects.displaced,
-                               objects.refined)
+    known = overlay.rasterised(index, maps, objects.owners, objects.numbers, objects.strays)
     if layer.user_indices is not None:
         given = np.clip(given, 0, len(layer.user_indices) - 1).astype(np.intp)
         write(versions.pass_name("IndexOB"), layer.user_indices[given][..., None])
@@ -115,9 +121,7 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
     if depth is not None:
         known["depth"] = depth[..., None]
         write(versions.pass_name("Depth"), known["depth"])  # as drawing the file again reads it
-        if "creases" in known and len(decided):
-            known["creases"].reshape(-1, 5)[decided, 4] = 0  # normals are noise there
-        del depth, decided
+        del depth
     if "Denoising Depth" in passes:
         known["seen_depth"] = layers.seen_depth(passes.pop("Denoising Depth"), projection, frame, layer.clip_start)
     illuminate = layer.light and (lambda depth, normal: layer.light.draw(
@@ -127,6 +131,14 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
         denoiser = denoiser and (kept.nearest if at_once else
                                  functools.partial(kept.once, settings.light_scale, denoiser))
         illuminate = illuminate and functools.partial(kept.once, "drawn", illuminate)
+    fallen = []
+    if caught is not None and illuminate:
+        drawn = illuminate
+
+        def illuminate(depth, normal):
+            fallen.append(drawn(depth, normal))
+            return fallen[0]
+
     lines = maps.get("chains")
     images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
     material = known["material"]
@@ -138,7 +150,12 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
     del material
     overlay.complete_anchor(images, view, projection, frame)
     if caught is not None:
-        overlay.hide(images, caught)
+        shadows = None
+        if fallen:
+            whole = layer.light.open(images["depth"], images["normal"], view, projection, frame)
+            shadows = caught & (fallen[0].sum(-1) < overlay.SHADED * whole.sum(-1))
+            images["diffuse"] = np.where(shadows[..., None], fallen[0], images["diffuse"])
+        overlay.hide(images, caught, shadows)
         for layer_name, name in (("depth", "Depth"), ("normal", "Normal"), ("color", "DiffCol")):
             write(versions.pass_name(name), images[layer_name])  # as drawing the file again reads them
     if lines is not None:

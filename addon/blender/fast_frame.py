@@ -14,7 +14,7 @@ from ..pen.job import Camera, Frame
 from ..pen.settings import Settings
 from . import cameras, fast, images, lamps, memory, overrides, unseen, versions, wanted
 
-# What Cycles would have written: pass -> picture of fast.Scene.pictures().
+# What Cycles would have written: pass -> picture of fast_scene.Scene.pictures().
 _PASSES = {"Depth": "depth", "Normal": "normal", "DiffDir": "diffuse", "DiffCol": "color", "GlossCol": "gloss",
            "Emit": "emission", "IndexOB": "index", "IndexMA": "material"}
 
@@ -29,6 +29,9 @@ class Place:
     own: Window     # what is written
     inside: tuple   # that in what is drawn: slices
     factor: int
+    view: np.ndarray | None = None  # world -> camera, and camera -> clip; None: a file has told the layers
+    projection: np.ndarray | None = None
+    called: dict = field(default_factory=dict)  # number of the layer `object` -> name of the object
 
     def write(self, out, name, picture):
         if picture is not None:
@@ -119,7 +122,8 @@ class FastFrames:
         large = supersample.frame(frame, factor)
         top, left = (factor * start for start in (own.y - around.y, own.x - around.x))
         place = Place(scene.camera(*matrices), frame, large, own,
-                       np.s_[top:top + factor * own.height, left:left + factor * own.width], factor)
+                       np.s_[top:top + factor * own.height, left:left + factor * own.width], factor, *matrices,
+                       scene.objects.called())
         pictures = scene.pictures(*matrices, large, (factor * around.width, factor * around.height), settings,
                                   _threads(depsgraph), self.go_on)
         for name, layer in _PASSES.items():
@@ -154,7 +158,8 @@ class FastFrames:
         if asked:
             drawn = library.draw(layers, settings.every, place.camera, place.large, outputs=asked,
                                  threads=_threads(depsgraph), progress=self.go_on, image=read.__getitem__,
-                                 empty=versions.empty_pass)
+                                 empty=versions.empty_pass, strokes=wanted.strokes is not None)
+            wanted.tell(drawn.strokes, place.view, place.projection, place.large, place.called)
             for name in asked:
                 place.write(out, name, drawn.images.pop(name))
         render = depsgraph.scene_eval.render

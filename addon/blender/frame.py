@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import bpy
 
-from ..pen import around, chains, denoise, layers, library, metadata, overlay, saved, supersample, through
+from ..pen import around, background, chains, denoise, layers, library, metadata, overlay, saved, supersample, through
 from ..pen.errors import Cancelled, EncreError
 from ..pen.job import Camera, Frame
 from . import (
@@ -23,6 +23,7 @@ from . import (
     overrides,
     properties,
     redraw,
+    rendered,
     subframes,
     subject,
     unseen,
@@ -81,8 +82,8 @@ class Frames:
         a stage fails; Cancelled."""
         wanted.refuse_long_names(depsgraph.scene)
         if self.settings and (lost := properties.unknown(depsgraph.scene)):
-            self.engine.say("WARNING", f"settings that this version of Encre does not know, and which change nothing: "
-                                       f"{', '.join(lost)}; set what has their place, as the list of changes tells it")
+            self.engine.say("WARNING", "this version of Encre does not know these settings of the file, which change "
+                                       f"nothing: {', '.join(lost)}; the list of changes names those in their place")
         if self.fast:
             settings = self.settings or properties.settings(depsgraph.scene_eval)
             self.fast.render(depsgraph, self._camera(depsgraph), settings)
@@ -128,8 +129,8 @@ class Frames:
         flat = camera.data.type in {"PERSP", "ORTHO"}
         light = self._light(depsgraph, camera, settings) if flat else None
         if settings.denoises and not light and not denoise.available(versions.home()):
-            self.engine.say("INFO", "Open Image Denoise is not there: the light keeps its noise; with "
-                                    "light_source=DRAWN it has none")
+            self.engine.say("INFO", "Open Image Denoise is not there, so the light stays noisy; choose Fast, or "
+                                    "set Light to Drawn (light_source=DRAWN)")
         if settings.active and not flat:
             raise EncreError(f"camera {camera.name}: it is panoramic, and Encre draws only what perspective and "
                                   "orthographic cameras see; make it one of them")
@@ -188,7 +189,7 @@ class Frames:
             self.engine.say("WARNING", f"drawn light leaves out {', '.join(light.unknown)}: only Cycles can read it")
         if not light.dark:
             return light
-        self.engine.say("WARNING", "no lamp and no world that can be drawn: the light is Cycles'")
+        self.engine.say("WARNING", "there is no lamp, and no world that Encre can read: the light is Cycles'")
         return None
 
     def _rasterise(self, depsgraph, camera, settings, denoise_other, pictures, light):
@@ -199,22 +200,30 @@ class Frames:
         threads = render.threads if render.threads_mode == "FIXED" else 0
         line_numbers, user_indices = self.numbers or (None, None)
         asked, keeps = wanted.asked(depsgraph.view_layer), wanted.keeps(depsgraph.scene)
-        objects, drawn, views = None, [], {}
+        objects, drawn, views, colors = None, [], {}, None
         if settings.active or asked or keeps:
+            colors = rendered.read(depsgraph, settings, light.kept if light else
+                                   lamps.between(self.engine, depsgraph) or lamps.Kept())
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light,
-                                     anchored=settings.wants_anchor, unwrapped=settings.wants_tangent)
+                                     anchored=settings.wants_anchor, unwrapped=settings.wants_tangent,
+                                     laid=colors and colors.laid)
             if light:
                 light.tidy()
-            drawn = ["object", "material", "style", "marks", "coincident", *settings.rastered]
+            drawn = ["object", "material", "style", "coincident", *settings.rastered]
             if any(mesh.attributes is not None for mesh in objects.meshes):
                 drawn.append("attributes")
         solid = objects.solid() if objects and settings.wants_edges else None
         boxes = volumes.corners(depsgraph) if denoise_other or (objects and settings.wants_edges) else ()
-        known, whole = objects.chained() if objects and objects.automatic and settings.wants_edges else (None, None)
+        known = whole = shown = None
+        if objects and settings.wants_edges:
+            told = colors and colors.told(objects.materials)
+            known, whole = objects.chained(told)
+            shown = told and background.run(colors.colors(told, objects.materials, settings.every), threads,
+                                            self._go_on)
         about = subject.read(depsgraph, camera, light)
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"
-            eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1] if orthographic else 1,
+            eye = Camera(cameras.rotation(view).ravel(), orthographic, 2 / projection[1, 1],
                          0 if orthographic else about.distance(view, projection), about.light,
                          about.shade)
 
@@ -231,7 +240,7 @@ class Frames:
             lines = known and library.chains(
                 known, view, projection, supersample.frame(frame, factor),
                 (factor * place.width, factor * place.height), camera.data.clip_start, camera.data.clip_end,
-                threads=threads, progress=self._go_on)
+                threads=threads, progress=self._go_on, most_before=settings.hidden, colors=shown)
             clear = None if solid is None else through.find(maps, raster(solid, ["object", "depth"]), objects.clear)
             if objects:
                 maps.pop("depth", None)

@@ -36,7 +36,9 @@ TOGGLES = {
     "mirrors": (n_("Mirrors"), "Lines in what mirrors and clear glass show", ("line_mirror_strength",
                                                                               "line_mirror_width"), ()),
     "marks": (n_("Marks"), "Edges that you have marked, as Freestyle edges, and strokes by hand",
-              ("line_mark_strength", "line_mark_width"), ())}
+              ("line_mark_strength", "line_mark_width"), ()),
+    "hidden": (n_("Hidden"), "Hidden lines: what lies behind other things, as if these were of glass",
+               ("line_hidden_strength", "line_hidden_width"), ())}
 SHOWN = "outlines", "inner", "creases", "colors", "shadows", "marks"  # in the front panel
 _BY_WIDTH = "outlines", "contacts", "inner", "intersections"  # without the edge itself another would be found there
 _SHORT = {"line_shortest": 1.0, "line_color_shortest": 8.0, "line_shadow_shortest": 20.0, "line_mirror_shortest": 4.0}
@@ -139,7 +141,7 @@ def _own_levels(settings):
 
 def _steps_read(self):
     count = properties.level_count(self)
-    return count if self.use_shading and count <= 4 else 0
+    return count if self.use_shading and count <= len(TONES) else 0
 
 
 def _steps_write(self, count):
@@ -182,9 +184,14 @@ def _edge_write(self, share):
 # ---- tones -------------------------------------------------------------------------------------------------------
 
 
+def _tones(settings):
+    """The tone of each level, the darkest first. Where only small blacks are spotted, one before is theirs."""
+    return TONES[properties.tones_of_blacks(settings):properties.tone_count(settings)]
+
+
 def _filled(settings):
     """What fills each level, the darkest first."""
-    return [getattr(settings, id_) for id_ in TONES[:properties.level_count(settings)]]
+    return [getattr(settings, id_) for id_ in _tones(settings)]
 
 
 def _fill_read(self):
@@ -207,10 +214,10 @@ def _fill_write(self, number):
         return
     if properties.level_count(self) == 1:
         _steps_write(self, 2)
-    self.use_shading, count = True, min(properties.level_count(self), len(TONES))
-    solid = count > 2 and self.tone_1 == "SOLID"
-    for k, id_ in enumerate(TONES[:count]):
-        if k == count - 1:
+    self.use_shading, tones = True, _tones(self)
+    solid = len(tones) > 2 and getattr(self, tones[0]) == "SOLID"
+    for k, id_ in enumerate(tones):
+        if k == len(tones) - 1:
             setattr(self, id_, "NONE")
         elif kind == "BLACK":
             setattr(self, id_, "SOLID" if k == 0 else "NONE")
@@ -227,17 +234,17 @@ def lighten(settings, k):
 
 
 def _leading(settings):
-    """Number of the tone whose size the front shows."""
-    tones = _filled(settings)
-    return next((k for k, tone in enumerate(tones) if tone in _PATTERNS), 0)
+    """The tone whose size the front shows."""
+    tones = _tones(settings)
+    return next((id_ for id_ in tones if getattr(settings, id_) in _PATTERNS), tones[0])
 
 
 def _size_read(self):
-    return getattr(self, f"{TONES[_leading(self)]}_pitch")
+    return getattr(self, f"{_leading(self)}_pitch")
 
 
 def _size_write(self, size):
-    for id_, tone in zip(TONES, _filled(self), strict=False):
+    for id_, tone in zip(_tones(self), _filled(self), strict=True):
         if tone in _PATTERNS:
             setattr(self, f"{id_}_pitch", size)
 
@@ -253,7 +260,7 @@ def _choice(id_):
         item = next(item.id for item in p.items if item.number == number)
         setattr(self, id_, item)
         if item in _PATTERNS:
-            lighten(self, TONES.index(id_))
+            lighten(self, _tones(self).index(id_) if id_ in _tones(self) else len(TONES))
 
     items = [(x.id, x.label, x.help, x.number) for x in p.items]
     return bpy.props.EnumProperty(name=p.label, description=p.help, items=items, get=read, set=write, options=set(),
@@ -343,30 +350,31 @@ def definitions():
             name="Hand", description="How steady or loose the hand is that draws the lines. 0: as with a ruler, 1: a "
             "loose sketch", get=_hand_read, set=_hand_write, **share),
         "far_lines": bpy.props.FloatProperty(
-            name="Far Away", description="Lines of things far away: 0: much thinner, 1: as thick as near ones",
-            get=_far_read, set=_far_write, **share),
+            name="Far Away", description="Far lines: how thick the lines of distant things are. 0: much thinner, 1: as "
+            "thick as near ones", get=_far_read, set=_far_write, **share),
         "shade_steps": bpy.props.EnumProperty(
             name="Shade Steps", description="How many steps of light and shadow there are. 1: no shadow",
-            items=[(str(n), str(n), "", n) for n in range(1, 5)], get=_steps_read, set=_steps_write,
+            items=[(str(n), str(n), "", n) for n in range(1, len(TONES) + 1)], get=_steps_read, set=_steps_write,
             options=set(), **OURS),
         "shade_edge": bpy.props.FloatProperty(
             name="Shade Edge", description="How soft the edge of a shadow is. 0: hard, 1: soft", get=_edge_read,
             set=_edge_write, **share),
         "fill": bpy.props.EnumProperty(
-            name="Fill Shade With", description="What light and shadow are filled with: flat tones, screentone, "
-            "hatching or black", items=FILLS, get=_fill_read, set=_fill_write, options=set(), **OURS),
+            name="Fill Shade With", description="What fills light and shadow: flat tones, screentone, hatching "
+            "or black", items=FILLS, get=_fill_read, set=_fill_write, options=set(), **OURS),
         "fill_size": bpy.props.FloatProperty(
-            name="Size", description="Size of the screentone or hatching: from dot to dot, or line to line",
+            name="Size", description="Screentone size, dot size or spacing of hatching: from one to the next",
             get=_size_read, set=_size_write, min=0.02, soft_min=3, soft_max=30, max=1000, precision=1, options=set(),
             **OURS),
         **{f"{id_}_fill": _choice(id_) for id_ in TONES},
         "rim_side": bpy.props.EnumProperty(
             name="Side", description="From which side of the picture the rim light comes", get=_side_read,
             set=_side_write, options=set(), items=[
-                ("ALL", "All", "All round the silhouette"), ("LEFT", "Left", "From the left"),
+                ("ALL", "All", "All around the silhouette"), ("LEFT", "Left", "From the left"),
                 ("TOP_LEFT", "Top Left", "From the top left"), ("TOP", "Top", "From above"),
                 ("TOP_RIGHT", "Top Right", "From the top right"), ("RIGHT", "Right", "From the right"),
-                ("WORLD", "World", "From a direction in the world, or a lamp, as the panel below says")], **OURS),
+                ("WORLD", "World", "From a direction in the world or from a lamp: see the panel Rim Light below")],
+            **OURS),
         "paper": bpy.props.EnumProperty(
             name="Paper", description="The paper whose grain pencil lines, hatching and washes show", get=_paper_read,
             set=_paper_write, options=set(), items=[

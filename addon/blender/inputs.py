@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import pictures, trees
+from .colored import Place
 from .patterns import Patterns
 
 _MOST_SOURCES = 5
@@ -77,9 +78,13 @@ class Inputs(Patterns):
         except trees.Unknown:  # no room is left
             return 0.0
 
+    def _normal(self, socket):
+        """The normal that a socket is given."""
+        return self.three(socket) if self.given(socket) else self.build.run("normal")
+
     def _faces(self, socket):
-        """The cosine between a normal, that of the socket if there is one, and where it is looked at from."""
-        normal = self.three(socket) if trees.source_of(socket) else self.build.run("normal")
+        """The cosine between the normal of a socket and where it is looked at from."""
+        normal = self._normal(socket)
         return self.build.apply("absolute", self._dot_of(normal, self.build.run("incoming")))
 
     def _mirrored_share(self, cosine, ior):
@@ -125,13 +130,12 @@ class Inputs(Patterns):
 
     def _Bevel(self, node):
         self.lose(node.name)
-        normal = node.inputs["Normal"]
-        return {"Normal": self.three(normal) if trees.source_of(normal) else self.build.run("normal")}
+        return {"Normal": self._normal(node.inputs["Normal"])}
 
     # Where
 
     def _TexCoord(self, node):
-        run = self.build.run
+        run, placed = self.build.run, ("UV", "Generated")
         makes = {"UV": self._uv, "Generated": self._generated,
                  "Object": lambda: self._seen_from(node.object) if node.object else self._mesh("object", ""),
                  "Normal": lambda: self._unit(self._into_thing(run("normal"))),
@@ -140,6 +144,7 @@ class Inputs(Patterns):
         out = {}
         for name, make in makes.items():
             if node.outputs[name].is_linked:
+                make = (lambda: self._of_instancer(node)) if node.from_instancer and name in placed else make
                 try:
                     out[name] = make()
                 except trees.Unknown:  # which then is that output's fault
@@ -162,7 +167,14 @@ class Inputs(Patterns):
         twice = build.multiply(2.0, self._dot_of(normal, ray))
         return self._each(lambda n, r: build.subtract(build.multiply(twice, n), r), normal, ray)
 
+    def _of_instancer(self, node):
+        """Coordinates of what places a thing: 0 of things that nothing places."""
+        self.lose(node.name)
+        return (0.0,) * 3
+
     def _UVMap(self, node):
+        if node.from_instancer:
+            return {"UV": self._of_instancer(node)}
         return {"UV": self._mesh("uv", node.uv_map)}
 
     def _place_here(self):
@@ -198,6 +210,8 @@ class Inputs(Patterns):
             *color, alpha = (self.build.run("thing", data=(at + k,))[0] for k in range(4))
             return {"Color": tuple(color), "Vector": tuple(color), "Fac": self._dot(color, (1 / 3,) * 3),
                     "Alpha": alpha}
+        if not node.attribute_name:
+            return {"Color": (0.0,) * 3, "Vector": (0.0,) * 3, "Fac": 0.0, "Alpha": 1.0}
         found = self._mesh("color", node.attribute_name)
         color = self._scalars(found)
         out = {"Color": color, "Vector": found}
@@ -213,7 +227,7 @@ class Inputs(Patterns):
                 "Location": tuple(thing[6:9]), "Material Index": self.index}
 
     def _Mapping(self, node):
-        vector = self.vector(node.inputs["Vector"], lambda: trees.own(node.inputs["Vector"]))
+        vector = self.vector(node.inputs["Vector"])
         rows = trees.mapping(node)
         if isinstance(vector, Straight):
             whole = np.vstack([vector.rows, (0, 0, 0, 1)])
@@ -229,6 +243,8 @@ class Inputs(Patterns):
         wraps = {"REPEAT": "repeat", "EXTEND": "extend", "CLIP": "clip", "MIRROR": "extend"}
         if node.projection != "FLAT" or node.extension not in wraps:
             raise trees.Unknown(node.name)
+        if node.interpolation in ("Cubic", "Smart"):
+            self.lose(node.name)  # smoother where it is seen from near
         asked = node.outputs["Alpha"].is_linked
         picture = self.images.get(image, wraps[node.extension], not asked)
         number = build.pool.texture(picture)
@@ -244,6 +260,11 @@ class Inputs(Patterns):
             u, v = (build.multiply(build.add(self._floor(build.multiply(x, float(n))), 0.5), 1 / n)
                     for x, n in ((u, picture.width), (v, picture.height)))
         *color, alpha = build.run("texture", (u, v, *steps), (number,))
+        if isinstance(vector, Straight) and self.sources[vector.source][0] == "uv" and not self.beside and (
+                not vector.rows[:2, 2].any()):
+            self.looked[color[0].number] = Place(
+                self.sources[vector.source][1], tuple(tuple(map(float, row[[0, 1, 3]])) for row in vector.rows[:2]),
+                picture.width, picture.height, node.extension.lower(), node.interpolation == "Closest")
         if asked and pictures.has_alpha(image):
             solid = build.less(0.0, alpha)
             color = [build.mix(c, build.divide(c, alpha), solid) for c in color]

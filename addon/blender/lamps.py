@@ -28,6 +28,7 @@ class Kept:
     spots: dict = field(default_factory=dict)     # likewise -> receivers.Spots, where light is measured
     measured: tuple | None = None                 # what was measured last: (by what, receivers.Found)
     textures: dict = field(default_factory=dict)  # Cutout -> number in the scene
+    colors: dict = field(default_factory=dict)    # of materials, texel by texel: colored.colors()
     told: set = field(default_factory=set)        # of the textures: those that the scene need not be told again
     numbered: int = 0                             # geometries so far
     placed: int = 0                               # instances in the scene
@@ -227,6 +228,11 @@ class Light:
         """The layer `diffuse`."""
         return self.scene.light(depth, normal, view, projection, frame, *self.clip, self.free, threads,
                                 progress=progress, bends=self.bends, rims=True)
+
+    def open(self, depth, normal, view, projection, frame):
+        """Likewise, as if nothing threw shadows."""
+        return self.scene.light(depth, normal, view, projection, frame, *self.clip, self.free, bends=self.bends,
+                                unshadowed=True)
 
 
 # Lamps

@@ -257,7 +257,7 @@ class View:
 
     def _key(self):
         """Equal for layers that are the same at the same scale."""
-        return self.read_number, self.look.key, self.settings.rastered, self.settings.wants_seen
+        return self.read_number, self.look.key, self.settings.layers_key
 
     def _layers(self, scale):
         """The _Layers of this scale now, if those that were drawn last are still right."""

@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..pen import library
 from ..pen.job import Materials
 from ..pen.program import Pool, TooLong
-from . import nodes, trees, unseen
+from . import colored, nodes, trees, unseen
 
 _LIGHT = "light", ""
 
@@ -20,20 +21,32 @@ _LIGHT = "light", ""
 class Looks:
     """The programs of a scene's materials."""
 
+    images: object                                # a pictures.Images
     pool: Pool = field(default_factory=Pool)
     known: dict = field(default_factory=dict)     # full name, None: no material -> (Compiler, Surface)
     sources: dict = field(default_factory=dict)   # likewise -> what it reads of meshes, in the order of the channels
     unknown: dict = field(default_factory=dict)   # full name -> the node that can't be shown
     lost: dict = field(default_factory=dict)      # full name -> what else it has that is not shown
 
-    def programs(self, names, things, first):
+    def programs(self, names, things, first, flat=None):
         """The job.Materials by number; names: in the order of the numbers; first: the first of the attributes' channels
-        that are theirs."""
+        that are theirs; flat: likewise by number, in how many flat colors at most their images are, 0: as they are.
+        """
         made = []
-        for name in names:
+        for name, most in zip(names, flat or [0] * len(names), strict=True):
             compiler, surface = self.known[name]
-            made.append(compiler.finish(surface, first))
+            program = compiler.finish(surface, first)
+            if most:
+                self._flatten(program, most)
+            made.append(program)
         return Materials(made, self.pool.textures, np.array(self.pool.constants, np.float32), things)
+
+    def _flatten(self, program, most):
+        """Makes a program look into flat images where it takes colors from them."""
+        texture = library.load().operations["texture"][0]
+        for row in colored.leading(program):
+            if row[0] == texture:
+                row[10] = self.pool.texture(self.images.flat(self.pool.textures[row[10]], most))
 
     def channels(self, names):
         """How many channels the programs of the materials read of meshes, whether or not one has them."""
@@ -63,7 +76,7 @@ class Looks:
 
 def read(blocks, images):
     """The Looks of evaluated materials; images: a pictures.Images."""
-    looks = Looks()
+    looks = Looks(images)
     for block in [None, *blocks]:
         name = block and block.name_full
         compiler = nodes.Compiler(looks.pool, images, block)
@@ -88,7 +101,7 @@ def _surface(compiler, block):
     out = tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
     if out is None:
         return compiler.nothing()
-    compiler.lost += unseen.of_output(out)
-    if trees.fills_only(out):
+    if trees.fills_only(out):  # whether fog is shown volumes.fogs() says
         return compiler.clear()
+    compiler.lost += unseen.of_output(out)
     return compiler.material(out.inputs["Surface"])

@@ -72,14 +72,17 @@ class Layer:
             "Supersample": old.factor != new.factor,
             "Light": old.draws_light != new.draws_light and not new.fast,
             "World Shadows": (new.draws_light or new.fast) and old.shadows_world != new.shadows_world,
+            "Flat Colors": new.fast and old.flat != new.flat,
             "Object Index": old.every[0]["object_index"] != new.every[0]["object_index"],
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,
+            "Colors": new.fast and new.color_lines is not None and old.color_lines != new.color_lines,
             "flat tones": new.wants_card and not old.wants_card,
             "strokes along UV": new.wants_tangent and not old.wants_tangent,
         } if not self.opened else {}  # what a file lacks is said as it is opened
         changed |= {
             "the list of styles": [name for name, _ in old.styles] != [name for name, _ in new.styles],
             "Lines": new.wants_edges and not old.wants_edges,
+            "Hidden Lines": new.hidden > old.hidden,
             "what mirrors show": new.wants_seen and not old.wants_seen,
             "Shading": self.denoised and old.shaded != new.shaded,
         }
@@ -104,7 +107,7 @@ class Picture:
         """The Layer of a view layer's name, to be drawn with these settings. EncreError: it can't be."""
         kept = self.layers.get(name)
         if lack := kept.lacks(settings) if kept else f"view layer {name}":
-            raise EncreError(f"{lack} needs layers that are not in memory: render the picture")
+            raise EncreError(f"{lack} needs layers that are not in memory; render the picture")
         return kept
 
     @property

@@ -32,12 +32,15 @@ class Objects:
     blurred: np.ndarray  # likewise: which show nothing clearly, neither mirrored nor through them
     displaced: np.ndarray  # likewise: whose surfaces Cycles moves
     holes: np.ndarray  # likewise: which are holes in the picture
+    names: list         # of objects
     materials: list    # by their numbers, full names; None: of what has none
+    flat: list         # likewise, in how many flat colors at most its images are; 0: as they are
     things: np.ndarray # what programs of materials read of each: colour with alpha, random, pass index, place,
                        # and the turn and scale of its matrix, row by row
     shown: list        # by the meshes: attributes (t, 3, channels) that programs of materials read, or None
     ribbons: list      # likewise: the Ribbons that the camera sees of strands, or None
     thick: np.ndarray  # how thick they are in the world, at most; 0: they are no strands
+    coords: list       # by the meshes: {UV map: (t, 3, 3)} that programs of materials read, or None
 
     def solid(self):
         """The meshes without the triangles that may let light through; None if there are none of these."""
@@ -57,28 +60,38 @@ class Objects:
                             object=None if mesh.object is None else mesh.object[kept]))
         return out
 
-    def chained(self):
-        """(meshes whose edges tell of lines, by number of an object whether all its lines are theirs). What lets light
-        through, what Cycles moves or divides further and hair is left to the picture; holes have none of their own, and
-        hide others'."""
+    def chained(self, told=None):
+        """(meshes whose edges tell of lines, by number of an object whether all its lines are theirs: 1 those of
+        shapes, 2 those of colors). What lets light through, what Cycles moves or divides further and hair is left to
+        the picture; holes have none of their own, and hide others'. told: a colored.Told."""
         whole, out = ~self.holdouts & ~self.catchers, []
+        colored = np.full(len(whole), told is not None)
         odd = self.clear | self.displaced
-        for mesh, strands in zip(self.meshes, self.ribbons, strict=True):
+        for mesh, strands, coords in zip(self.meshes, self.ribbons, self.coords, strict=True):
             if mesh.kind == "lines":
                 out.append(mesh)
                 continue
             material = mesh.material_index if mesh.material is None else mesh.material
             bad = odd[material] | self.refined[mesh.object_index]
+            numbers = mesh.object_index if mesh.object is None else np.unique(mesh.object)
+            if told is not None and not np.all(told.known[material]):
+                colored[numbers] = False
             if strands is not None or np.any(bad | self.holes[material]):
-                whole[mesh.object_index if mesh.object is None else np.unique(mesh.object)] = False
+                whole[numbers] = False
             if strands is not None or np.all(bad) or self.catchers[mesh.object_index]:
                 continue
             kept = slice(None) if not np.any(bad) else ~bad
+            uv = told.laid(mesh, coords) if told is not None and coords else None
             out.append(Mesh(mesh.points, mesh.corners[kept], model=mesh.model, object_index=mesh.object_index,
                             material_index=mesh.material_index, crease_offset=mesh.crease_offset,
                             **{name: None if of is None else of[kept] for name, of in (
-                                ("object", mesh.object), ("material", mesh.material), ("edges", mesh.edges))}))
-        return out, whole
+                                ("object", mesh.object), ("material", mesh.material), ("edges", mesh.edges),
+                                ("uv", uv))}))
+        return out, whole + 2 * (whole & colored)
+
+    def called(self):
+        """{what the layer `object` says: name of the object}; of several that share a number the first."""
+        return {int(number): name for number, name in zip(self.numbers[::-1], self.names[::-1], strict=True)}
 
     def strays(self, index):
         """What the layer `object` says at pixels with Cycles' index, whose object the rasteriser did not draw."""
@@ -118,17 +131,18 @@ def block_name(block):
 
 
 def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=None, looks=None,
-            anchored=False, unwrapped=False):
+            anchored=False, unwrapped=False, laid=None, flat=()):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
     not called. `light`: a lamps.Light that takes them, and what only throws shadows. `kept`: a Kept; with it normals
     are read. `visible`: whether an original object is, None: all are. `looks`: the materials.Looks whose programs will
     read attributes, after the controls; with them there is hair. `anchored`: whether to tell where surfaces rest;
-    `unwrapped`: which way their UV maps lie.
+    `unwrapped`: which way their UV maps lie; `laid`: {full name of a material: UV map that is to be told}; `flat`: by
+    number of style, Objects.flat; (): 0.
     """
-    meshes, shown, ribbons, owners, numbers = [], [], [], [0], [0]
+    meshes, shown, ribbons, coords, owners, numbers, called = [], [], [], [], [0], [0], [""]
     things = [(0,) * (18 + 4 * len(looks.pool.asked if looks else ()))]
     catchers, holdouts, refined = [False], [False], [False]
-    running, materials = {}, _Materials(depsgraph.scene_eval)
+    running, materials = {}, _Materials(depsgraph.scene_eval, flat)
     far = filters.culled(depsgraph)
     override, surfaces, grows = (of(depsgraph) for of in (filters.override, filters.surfaces, filters.hair))
     smooth, kept = bool(light) or kept is not None, kept or Kept()
@@ -155,7 +169,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         own = None if obj.type == "MESH" else obj.original.as_pointer()
         blocks = filters.materials(obj, override)
         maps = light.maps(blocks) if light else ()
-        read = _read_by(blocks, looks) if seen else frozenset()
+        read = _read_by(blocks, looks, laid) if seen else frozenset()
         names = {block_name(block) for block in (obj, top, obj.data)}
         if obj.encre.mark and seen and meshable:
             lines = kept.get(("lines", obj.data.as_pointer(), own), names, functools.partial(read_lines, obj))
@@ -163,6 +177,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
                 meshes.append(Mesh(*lines, kind="lines", model=np.array(instance.matrix_world, np.float64)))
                 shown.append(None)
                 ribbons.append(None)
+                coords.append(None)
                 continue
         made = []
         if meshable:
@@ -180,6 +195,7 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         number = len(owners)
         parts = range(first_free + number, first_free + number + made[0][1].n_parts)
         owners += [obj.pass_index] * len(parts)
+        called += [obj.name] * len(parts)
         catchers += [obj.is_shadow_catcher or top.is_shadow_catcher] * len(parts)
         holdouts += [top.original.holdout_get(view_layer=depsgraph.view_layer)] * len(parts)
         refined += [not looks and versions.divides(obj, depsgraph)] * len(parts)
@@ -194,30 +210,32 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
             meshes.append(mesh)
             shown.append(read)
             ribbons.append(triangles.ribbons)
+            coords.append({name: at for (kind, name), at in triangles.sources.items() if kind == "uv"})
             if len(triangles.marked):
                 meshes.append(Mesh(triangles.points, triangles.marked, kind="lines", object_index=number,
                                    model=np.array(instance.matrix_world, np.float64)))
                 shown.append(None)
                 ribbons.append(None)
+                coords.append(None)
     kept.tidy()
     thick = [0] * len(owners)
     for mesh, strands in zip(meshes, ribbons, strict=True):
         if strands:  # behind all others, so that hair changes no number of theirs
-            for known in owners, numbers, catchers, holdouts, refined, *([things] if looks else []):
+            for known in owners, numbers, called, catchers, holdouts, refined, *([things] if looks else []):
                 known.append(known[mesh.object_index])
             mesh.object_index = len(thick)
             thick.append(2 * strands.radius.max() * np.linalg.norm(mesh.model[:3, :3], axis=0).max())
     return Objects(meshes, np.array(owners, np.float32), np.array(numbers, np.float32),
                    line_numbers if automatic else None, automatic, np.array(catchers), np.array(holdouts),
                    np.array(refined), *(np.array([known[k] for known in materials.known.values()])
-                                        for k in (3, 4, 5, 6)), list(materials.known),
-                   np.array(things, np.float32), shown, ribbons, np.array(thick, np.float32))
+                                        for k in (3, 4, 5, 6)), called, *map(list, zip(*materials.known, strict=True)),
+                   np.array(things, np.float32), shown, ribbons, np.array(thick, np.float32), coords)
 
 
-def _read_by(blocks, looks):
-    """What materials read of a mesh."""
+def _read_by(blocks, looks, laid):
+    """What is read of a mesh: by materials, or of where their images lie on it."""
     if not looks:
-        return frozenset()
+        return frozenset(("uv", laid[name]) for name in _names(blocks) if name in laid) if laid else frozenset()
     return frozenset(source for name in _names(blocks) for source in looks.sources[name])
 
 
@@ -290,15 +308,19 @@ def _line_number(instance, obj, automatic, line_numbers, running, own):
 # Materials
 
 class _Materials:
-    """Numbers, styles and controls of materials; each material is asked once."""
+    """Numbers, styles and controls of materials; each material is asked once. One whose images are flat on some things
+    only has two numbers."""
 
-    def __init__(self, scene):
-        self.scene, self.known = scene, {None: (0, 0, np.float32(properties.controls(None)), *[False] * 4)}
+    def __init__(self, scene, flat):
+        self.scene, self.flat = scene, flat
+        self.known = {(None, 0): (0, 0, np.float32(properties.controls(None)), *[False] * 4)}
 
-    def __call__(self, material):
-        key = material and material.name_full
+    def __call__(self, material, style):
+        """style: that of the thing, 0: it has none."""
+        own = properties.style_number(material, self.scene)
+        key = (material.name_full, self.flat[style or own] if self.flat else 0) if material else (None, 0)
         if key not in self.known:
-            self.known[key] = (len(self.known), properties.style_number(material, self.scene),
+            self.known[key] = (len(self.known), own,
                                np.array(properties.controls(material), np.float32), _lets_through(material),
                                mirrors.blurs(material), _displaces(material), _is_hole(material))
         return self.known[key]
@@ -338,8 +360,8 @@ def _names(blocks):
 
 def _mesh(triangles, obj, blocks, materials, matrix, number, looks, seed):
     """(the Mesh, its attributes for the programs of its materials). blocks: the materials of its slots."""
-    slots = [materials(block) for block in blocks]
     own_style = properties.style_number(obj, materials.scene)
+    slots = [materials(block, own_style) for block in blocks]
     controls = np.array([slot[2] for slot in slots]) + np.array(properties.controls(obj), np.float32)
     mesh = Mesh(triangles.points, triangles.corners, object_index=number,
                      model=np.array(matrix, np.float64), material_index=slots[0][0],

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..pen.sky import directions
-from . import trees
+from . import pictures, trees
 
 _SMOOTH = 0.1     # roughness up to which a surface is a mirror
+_SOMEWHERE = 0.02  # of an image that says how rough: what is smooth in less of it is nowhere a mirror
 _SHINING = {"BsdfGlossy", "BsdfAnisotropic", "BsdfGlass", "BsdfRefraction"}
 _COATS = ("Coat Weight", "Coat Roughness"), ("Clearcoat", "Clearcoat Roughness")  # since 4.0, before
 _LEAST = 64       # pixels of a mirror that is drawn
@@ -26,7 +27,7 @@ class Mirror:
 
 def blurs(material):
     """Whether a material shows nothing clearly, neither mirrored nor through it: all that shines in it is rougher than
-    a mirror. Where a texture says how rough, it may be clear."""
+    a mirror. Where a texture says how rough, but no image, it may be clear."""
     for node in trees.nodes_of(material):
         sort = node.bl_idname.removeprefix("ShaderNode")
         if sort == "BsdfTransparent" or sort in _SHINING and (
@@ -40,7 +41,22 @@ def blurs(material):
 
 
 def _clear(roughness):
-    return roughness.is_linked or roughness.default_value <= _SMOOTH
+    if not roughness.is_linked:
+        return roughness.default_value <= _SMOOTH
+    node, output = trees.source_of(roughness) or (None, None)
+    channel = None
+    if node and node.bl_idname in ("ShaderNodeSeparateColor", "ShaderNodeSeparateRGB"):
+        if getattr(node, "mode", "RGB") != "RGB":
+            return True
+        channel = list(node.outputs).index(output)
+        node, output = trees.source_of(node.inputs[0]) or (None, None)
+    if not node or node.bl_idname != "ShaderNodeTexImage" or output.name != "Color":
+        return True
+    try:
+        image = pictures.still(node)
+    except trees.Unknown:
+        return True
+    return image is None or pictures.share_below(image, channel, _SMOOTH) > _SOMEWHERE
 
 
 def _has(socket, usual):

@@ -29,6 +29,7 @@ class Compiler(Shaders):
         self.index = float(block.pass_index) if block else 0.0
         self.through = False  # whether light goes through it, as through glass
         self.lost = []  # nodes that change what it looks like, and are not shown
+        self.looked = {}  # first register of a look into a picture -> its colored.Place; absent: it lies by no UV map
         # Outputs of nodes by (groups around them, node, where they are looked at); nodes of open groups.
         self._known, self._groups, self._deep = {}, [], 0
         self.beside = None  # where: None: at the pixel; (0 or 1, part): that part of one to the right, or below
@@ -64,7 +65,7 @@ class Compiler(Shaders):
     def material(self, socket):
         """The Surface of a material's output. Unknown: its shader can't be read."""
         source = trees.source_of(socket)
-        return self.nothing() if source is None else self._shown(self._output(*source))
+        return self.nothing() if source is None else self._shown(self._given(socket, source)[0])
 
     def shader(self, socket):
         """The Surface that a socket is given: black where nothing is linked, the material's viewport colour where it
@@ -91,7 +92,7 @@ class Compiler(Shaders):
             if self._deep > _DEEPEST:
                 raise TooLong
             if node.bl_idname == "ShaderNodeGroup" or (
-                    getattr(node, "node_tree", None) and not hasattr(self, _method(node))):
+                    getattr(node, "node_tree", None) and not hasattr(self, method(node.bl_idname))):
                 return self._group(node, socket)
             if node.bl_idname == "NodeGroupInput":
                 return self._outside(socket)
@@ -108,7 +109,7 @@ class Compiler(Shaders):
         """Those of all its outputs, made once."""
         key = (tuple(group.name for group in self._groups), node.name, self.beside)
         if key not in self._known:
-            make = getattr(self, _method(node), None)
+            make = getattr(self, method(node.bl_idname), None)
             if make is None:
                 raise trees.Unknown(node.name)
             try:
@@ -162,16 +163,16 @@ class Compiler(Shaders):
     def _any(self, socket):
         if socket.type == "SHADER":
             return self.shader(socket)
-        if socket.type in ("VALUE", "INT", "BOOLEAN"):
+        if socket.type in trees.NUMBERS:
             return self.number(socket)
-        return self.vector(socket, lambda: self.three(socket)) if socket.type == "VECTOR" else self.three(socket)
+        return self.vector(socket) if socket.type == "VECTOR" else self.three(socket)
 
     def _read(self, socket, unlinked):
         """(what a socket is given, not a Surface; whether it is a colour). unlinked(): what it has where nothing that
         can be read is linked."""
         source = trees.source_of(socket)
         try:
-            value = None if source is None else self._output(*source)
+            value, color = (None, False) if source is None else self._given(socket, source)
         except trees.Unknown as e:
             self.lose(str(e))
             if socket.type == "RGBA" and any(out.type == "SHADER" for out in socket.node.outputs):
@@ -179,10 +180,36 @@ class Compiler(Shaders):
             value = None
         if value is None or isinstance(value, Surface):
             return unlinked(), socket.type == "RGBA"
-        return value, source[1].type == "RGBA"
+        return value, color
+
+    def _given(self, socket, source):
+        """(what a socket is given by its source, whether it is a colour)."""
+        value, color = self._output(*source), source[1].type == "RGBA"
+        for kind in trees.turned_into(socket) if not isinstance(value, Surface) else ():
+            value = self._as_number(value, color) if kind in trees.NUMBERS else value
+            color = kind == "RGBA"
+        return value, color
+
+    def given(self, socket):
+        """Whether something is linked to a socket that else has a value of its own making: reroutes and muted nodes to
+        which nothing is linked are nothing, and so are inputs and outputs of groups."""
+        source = trees.source_of(socket)
+        if source is None or trees.is_nothing(source[0]):
+            return False
+        node, output = source
+        if node.bl_idname == "NodeGroupInput" and self._groups:
+            around = self._groups.pop()
+            try:
+                outside = next((s for s in around.inputs if s.identifier == output.identifier), None)
+                return outside is not None and self.given(outside)
+            finally:
+                self._groups.append(around)
+        return True
 
     def number(self, socket):
-        value, color = self._read(socket, lambda: trees.own(socket))
+        return self._as_number(*self._read(socket, lambda: trees.own(socket)))
+
+    def _as_number(self, value, color):
         value = self._scalars(value)
         if isinstance(value, tuple):
             return self._dot(value[:3], LUMINANCE if color else (1 / 3,) * 3)
@@ -193,9 +220,12 @@ class Compiler(Shaders):
         value = self._scalars(self._read(socket, lambda: trees.own(socket))[0])
         return tuple(value[:3]) if isinstance(value, tuple) else (value,) * 3
 
-    def vector(self, socket, unlinked):
-        """A Straight if it is one, else three numbers; unlinked(): what it is where nothing is linked."""
-        value, _ = self._read(socket, unlinked)
+    def vector(self, socket, unlinked=None):
+        """A Straight if it is one, else three numbers; unlinked(): what it is where nothing is linked, nor reroutes and
+        muted nodes to which nothing is; None: the socket's own."""
+        if unlinked and not self.given(socket):
+            return unlinked()
+        value, _ = self._read(socket, unlinked or (lambda: trees.own(socket)))
         return value if isinstance(value, Straight | tuple) else (value,) * 3
 
     def _dot(self, values, weights):
@@ -211,6 +241,6 @@ class Compiler(Shaders):
         return self._each(lambda x, y: self.build.mix(x, y, t), a, b)
 
 
-def _method(node):
-    """The name of the method that reads a node."""
-    return "_" + node.bl_idname.removeprefix("ShaderNode")
+def method(kind):
+    """The name of the method that reads a kind of node."""
+    return "_" + kind.removeprefix("ShaderNode")

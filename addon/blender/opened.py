@@ -24,7 +24,7 @@ def load(scene, path):
     file = Exr(path)
     said, found = metadata.read(file.texts), stored.view_layers(file.channels, file.views)
     if scene.render.use_multiview or len(file.views) > 1:
-        raise EncreError(f"{path}: files of stereo renders and scenes with them can't be drawn from a file here; "
+        raise EncreError(f"{path}: stereo pictures, and files for scenes with stereo, can't be opened here; "
                          "use encre composite")
     width, height, own = cameras.border(scene.render)
     whole = file.window[:2]
@@ -48,8 +48,10 @@ def load(scene, path):
             if "Encre Source" not in passes:
                 lacks[_INKED] = None
             lacks.update(dict.fromkeys(saved.missing(passes, asked)))
+            if old := saved.tells_no_lines(passes, (name, view) in said.chains, asked):
+                lacks[old] = None
     if not kept:
-        raise EncreError(f"{path}: has none of the scene's view layers with passes that can be drawn again; render it "
+        raise EncreError(f"{path}: holds no view layer of this scene that can be drawn again; render it "
                          "with Save Layers")
     memory.forget()
     for layer in kept.values():
@@ -86,7 +88,7 @@ def _layer(file, name, passes, settings, said, rows, own, size, lines):
 
 
 class ENCRE_OT_open_layers(bpy.types.Operator):
-    """Take the layers of a rendered multilayer EXR, so that settings are drawn anew without rendering"""
+    """Open the layers of a rendered multilayer EXR, so that changes are drawn without another render"""
 
     bl_idname = "encre.open_layers"
     bl_label = "Open Layers"

@@ -86,9 +86,9 @@ def _level_class():
     return _class("EncreLevel", {
         "intensity": number(name="Intensity", description="Brightness of this level", default=1.0,
                             min=0.0, soft_max=2.0),
-        "threshold": number(name="Threshold", description="Light from which on this level holds",
+        "threshold": number(name="Threshold", description="Light at which this level begins",
                             default=0.5, min=0.0, soft_max=2.0),
-        "transition": number(name="Transition", description="Width over which it blends with the level below",
+        "transition": number(name="Transition", description="Width over which this level blends with the one below",
                              default=0.025, min=0.0, soft_max=1.0),
         "color": bpy.props.FloatVectorProperty(name="Color", description="Color of this level's light", size=3,
                                                subtype="COLOR", default=(1, 1, 1), min=0.0, soft_max=1.0,
@@ -127,7 +127,7 @@ def own_settings(owner):
     """The Own of an "object" or a "material", in the order in which panels show them."""
     rows = [
         Own("style", "style", "Style",
-            "Style that this surface uses; an object's word counts more than a material's"),
+            "Style that this surface uses. The style of the object counts more than that of the material"),
         *(Own(control.name, "control", control.label, "Added to the painted control of the same name")
           for control in library.controls().values()),
         Own("line_group", "text", "Line Group", "Objects of the same group have no outlines between them",
@@ -137,10 +137,10 @@ def own_settings(owner):
         Own("separate_parts", "bool", "Separate Parts", "Parts of the mesh that no face joins have outlines between "
             "them, as objects have: also where they pass through each other", ("object",)),
         Own("crease_offset", "degrees", "Crease Offset", "Degrees that are added to the bend of every edge of this "
-            "mesh before Crease Angle decides", ("object",)),
-        Own("bend_light", "share", "Bend Light", "How far drawn light falls on what is inside this empty as on the "
-            "empty's own sphere; nothing inside throws shadows there", ("object",), of="SPHERE"),
-        Own("bend_fade", "share", "Fade", "Over which part of its radius, from its surface inwards, that begins",
+            "mesh: above 0 it has more creases, below 0 fewer", ("object",)),
+        Own("bend_light", "share", "Bend Light", "How much drawn light falls on what is inside this empty as on the "
+            "empty's own sphere. Nothing inside throws shadows there", ("object",), of="SPHERE"),
+        Own("bend_fade", "share", "Fade", "Over which share of the radius this begins, from the surface inward",
             ("object",), 0.2, "SPHERE"),
     ]
     return [own for own in rows if owner in own.owners]
@@ -218,30 +218,28 @@ def _classes():
         **front.definitions(),
         "ink_early": bpy.props.BoolProperty(
             name="Ink While Rendering", default=True, update=_changed, **OURS,
-            description="In a window, show the picture inked as it grows, of one sample that is rendered ahead and "
-                        "more of them every few seconds"),
+            description="While Full renders in a window, show the picture inked as it grows, every few seconds"),
         "samples": bpy.props.IntProperty(
             name="Samples", default=overrides.SAMPLES, min=0, soft_max=256, update=_changed, **OURS,
-            description="Samples that Full takes at most for each pixel: flat light and lines need few. Cycles' own "
-            "number counts where it is lower. 0: as many as in Cycles' settings"),
+            description="Most samples that Full takes for each pixel: flat light and lines need few. Cycles' own "
+            "number counts if it is lower. 0: as many as in Cycles' settings"),
         "keep_layers": bpy.props.BoolProperty(
             name="Keep Layers", default=True, update=_keep, **OURS,
-            description="Keep what F12 has rendered in memory, so that settings are drawn anew without rendering"),
+            description="Keep what F12 has rendered in memory, so that changes are drawn without another render"),
         "auto_redraw": bpy.props.BoolProperty(
             name="Redraw Automatically", default=True, update=_changed, **OURS,
             description="Draw the last render again whenever a setting changes, while an image editor shows it"),
         "rim_lamp": bpy.props.PointerProperty(
             name="From Lamp", type=bpy.types.Object, poll=_shines_one_way, update=_changed, **OURS,
-            description="A sun, a spot or an area lamp along whose direction the rim light comes, instead of from its "
-            "own angle"),
+            description="Sun, spot or area lamp from which the rim light comes, instead of from the angle above"),
         # Id of the last one: rows are reset to its values.
         "preset": bpy.props.StringProperty(options={"HIDDEN"}, update=_changed),
         # Of the settings in a file: migration.py.
         "version": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
         "active_level": bpy.props.IntProperty(options={"HIDDEN"}, update=_changed),
         "viewport_scale": bpy.props.IntProperty(
-            name="Viewport Scale", description="Size of the picture in rendered views that are at rest, as part of "
-            "theirs; while something moves it is drawn smaller where that takes too long", subtype="PERCENTAGE",
+            name="Viewport Scale", description="Resolution of the picture in rendered 3D views, as a share of the "
+            "view. While something moves it may be lower", subtype="PERCENTAGE",
             default=100, min=10, max=100, soft_min=25, update=_changed, **OURS),
     })
     material = _class("EncreMaterial", {own.id: own.property() for own in own_settings("material")})
@@ -263,19 +261,20 @@ def _view_class():
 
     return _class("EncreView", {
         "source": bpy.props.EnumProperty(name="View", description="What draws the rendered view", update=redraw, items=[
-            ("ENCRE", "Encre", "Ink, on layers that Encre draws itself"),
+            ("ENCRE", "Encre", "Encre's own fast view, with ink"),
             ("CYCLES", "Cycles", "Cycles' own view, without ink")], **OURS),
         "show": bpy.props.EnumProperty(name="Show", description="What the view shows", update=redraw, items=[
             ("FINAL", "Final", "The finished picture"),
             ("INK", "Ink", "The lines alone, on white"),
-            ("EDGES", "Sources", "The lines that each source of edges draws alone, in its color"),
+            ("EDGES", "Sources", "Each kind of line in a color of its own"),
             ("LEVELS", "Levels", "The levels of light, on white surfaces"),
             ("STYLES", "Styles", "A color for each style, gray for the scene's own"),
             ("CONTROL", "Control", "A control: red where it is most, blue where least, gray where neutral")], **OURS),
         "look": bpy.props.EnumProperty(
-            name="Look", description="By what this view draws the scene, which stays as it is: others may show it by "
-            "other presets", update=redraw, items=[
-                ("SCENE", "Scene", "The scene's own settings"), ("PLAIN", "Plain", "The layers, with nothing drawn"),
+            name="Look", description="The look in which this view shows the scene. The scene stays as it is, and other "
+            "views may show other looks", update=redraw, items=[
+                ("SCENE", "Scene", "The scene's own settings"),
+                ("PLAIN", "Plain", "The plain picture, with nothing drawn"),
                 *looks.named()], **OURS),
         "control": bpy.props.EnumProperty(
             name="Control", description="The control that is shown", update=redraw,
@@ -314,6 +313,15 @@ def levels(group):
 def level_count(group):
     """How many levels of light a scene or style has."""
     return len(group.shade_levels) or len(library.params()["shade_levels"].default)
+
+
+def tones_of_blacks(group):
+    """How many tones are not of levels of light: one, where only small blacks are spotted."""
+    return int(getattr(group, "tone_black_widest", 0) > 0)
+
+
+def tone_count(group):
+    return tones_of_blacks(group) + level_count(group)
 
 
 def image_key(image):

@@ -71,6 +71,17 @@ def start(window, quiet):
                 bpy.ops.encre.give_way("INVOKE_DEFAULT")
 
 
+def at_once(kept):
+    """Draws a scene anew, from what is kept if that may be, else by a render, while all waits. RuntimeError: what the
+    engine has reported."""
+    global _asked
+    _asked = kept
+    try:
+        bpy.ops.render.render()
+    finally:
+        _asked = False
+
+
 def _running():
     return bpy.app.is_job_running("RENDER")
 

@@ -14,6 +14,7 @@ from . import threads, versions
 
 # Of pictures of 8 bits. One by one: last bits of a whole array's depend on where it lies in numpy up to 1.24.
 _DECODED = np.array([decode_srgb(value / 255) for value in range(256)], np.float32)
+_BYTES = np.arange(256, dtype=np.float32) / np.float32(255)
 _NEAR = 1e-4   # by which what 16 bits tell may differ
 _ROWS = 1024   # of a picture that are given to Blender at once
 _known = {}    # (configuration, working space, name of a space) -> "sRGB", "linear", or "other"
@@ -31,6 +32,13 @@ def linear(image, picture):
         return _DECODED[(picture * np.float32(255) + np.float32(0.5)).astype(np.uint8)]
     three = picture if picture.shape[2] == 3 else picture.repeat(3, 2)
     return np.concatenate([_by_blender(settings.name, three[y:y + _ROWS]) for y in range(0, len(three), _ROWS)])
+
+
+def curve(image):
+    """256 scene-linear values, one for each an image of 8 bits may hold; None where its space mixes colors."""
+    settings = image.colorspace_settings
+    kind = "linear" if settings.is_data else _kind(settings.name)
+    return {"linear": _BYTES, "sRGB": _DECODED}.get(kind)
 
 
 def _kind(name):

@@ -163,7 +163,12 @@ class Sums:
         if node.clamp:
             share = build.clamp(share)
         out = build.add(to_low, build.multiply(share, build.subtract(to_high, to_low)))
-        return build.multiply(out, self._is(build.subtract(high, low))) if node.data_type == "FLOAT" else out
+        if node.data_type != "FLOAT":
+            return out
+        out = build.multiply(out, self._is(build.subtract(high, low)))
+        if node.clamp:  # what is 0, too
+            out = build.minimum(build.maximum(out, build.minimum(to_low, to_high)), build.maximum(to_low, to_high))
+        return out
 
     def _Clamp(self, node):
         build = self.build

@@ -8,6 +8,7 @@ from mathutils import Euler
 
 from ..pen.colour import LUMINANCE
 
+NUMBERS = "VALUE", "INT", "BOOLEAN"  # types of sockets
 _DEEPEST = 60  # nodes one behind the other
 
 
@@ -32,7 +33,18 @@ def source_of(socket):
     """(node, its output) that a socket is linked to, past reroutes and muted nodes; None: it has its own value. Links
     that close a ring are invalid: as in Cycles they are none. A reroute, or a node that is muted, to which nothing is
     linked is given itself: its value is nothing()."""
-    source, passed = None, set()
+    return _way_to(socket)[0]
+
+
+def turned_into(socket):
+    """The types of the outputs of muted nodes that what a socket is linked to goes through, in that order: as in Cycles
+    it becomes one after the other."""
+    return _way_to(socket)[1][::-1]
+
+
+def _way_to(socket):
+    """(source_of(), the types of the outputs of muted nodes on the way there)."""
+    source, passed, types = None, set(), []
     while link := _link(socket):
         node, output = link.from_node, link.from_socket
         if node.bl_idname == "NodeReroute":
@@ -41,13 +53,14 @@ def source_of(socket):
             socket = next((inner.from_socket for inner in node.internal_links if inner.to_socket == output), None)
             if socket is None:  # the link ends there
                 break
+            types.append(output.type)
         else:
-            return node, output
+            return (node, output), types
         if node.name in passed:  # a ring
-            return None
+            return None, []
         passed.add(node.name)
         source = node, output
-    return source
+    return source, []
 
 
 def _link(socket):
@@ -60,7 +73,7 @@ def nothing(socket, shader=None):
     """What an output of nothing gives: 0, black, or shader()."""
     if socket.type == "SHADER" and shader:
         return shader()
-    return 0.0 if socket.type in ("VALUE", "INT", "BOOLEAN") else (0.0,) * 3
+    return 0.0 if socket.type in NUMBERS else (0.0,) * 3
 
 
 def is_nothing(node):

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from . import trees
+from . import trees, versions
 
 _THINGS = {"POINTCLOUD": "a point cloud", "VOLUME": "a volume"}
 BEHIND = "what is behind it"  # of what light goes through
@@ -24,7 +24,7 @@ def by_cycles(depsgraph):
     """What Cycles draws otherwise than whoever made it for EEVEE meant it, of evaluated materials."""
     found = [block.name for block in depsgraph.ids if isinstance(block, bpy.types.Material)
              and any(node.bl_idname == "ShaderNodeShaderToRGB" for node in trees.nodes_of(block))]
-    return [f"Cycles knows no Shader to RGB, and draws without it: {', '.join(found)}; choose Encre for Layers to see "
+    return [f"Cycles knows no Shader to RGB, and draws without it: {', '.join(found)}; choose Fast for Render to see "
             "them as in EEVEE"] if found else []
 
 
@@ -45,7 +45,7 @@ def far_away(view, projection, distance, height):
 
 def of_things(depsgraph, visible=None):
     """Of what the camera would see; visible: as meshes.extract() takes it."""
-    found = {}  # in the order in which they come, each once
+    found, divided = {}, {}  # in the order in which they come, each once; of a tree there may be 100,000
     for instance in depsgraph.object_instances:
         obj = instance.object
         top = instance.parent if instance.is_instance else obj
@@ -53,7 +53,12 @@ def of_things(depsgraph, visible=None):
             continue
         if obj.type in _THINGS and instance.show_self:
             found[f"{obj.name} ({_THINGS[obj.type]})"] = None
-    return [f"not shown, as only Cycles can show it: {', '.join(found)}; {_CURE}"] if found else []
+        elif (name := obj.name) not in divided:
+            divided[name] = versions.divides(obj, depsgraph)
+    coarse = [name for name, divides in divided.items() if divides]
+    said = [f"not shown, as only Cycles can show it: {', '.join(found)}; {_CURE}"] if found else []
+    return said + ([f"drawn with the faces of their coarse mesh: {', '.join(coarse)}; switch off Adaptive Subdivision "
+                    "of their modifiers, or choose Full for Render"] if coarse else [])
 
 
 def turned(node):

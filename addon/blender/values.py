@@ -20,24 +20,28 @@ class Values(Sums):
         return {"Value": float(node.outputs[0].default_value)}
 
     def _LightPath(self, node):
-        return {socket.name: worlds.SEEN.get(socket.name, 0.0) for socket in node.outputs}
+        out = {socket.name: worlds.SEEN.get(socket.name, 0.0) for socket in node.outputs}
+        if node.outputs["Ray Length"].is_linked:
+            self.lose(node.name)  # which begins where the camera begins to see
+            place = self.build.run("camera")[:3]
+            out["Ray Length"] = self.build.apply("root", self._dot_of(place, place))
+        return out
 
     def _ValToRGB(self, node):
         ramp, share = node.color_ramp, self.number(trees.input_of(node, "Fac"))
-        if ramp.interpolation == "CONSTANT" or (ramp.interpolation == "LINEAR" and ramp.color_mode == "RGB"):
+        if ramp.interpolation in ("CONSTANT", "LINEAR") and ramp.color_mode == "RGB":
             stops = [(stop.position, *stop.color) for stop in ramp.elements]
         else:
             stops = [(k / 256, *ramp.evaluate(k / 256)) for k in range(257)]
         at = self.build.pool.place([number for stop in stops for number in stop])
-        name = "steps" if ramp.interpolation == "CONSTANT" else "ramp"
+        name = "steps" if len(stops) < 257 and ramp.interpolation == "CONSTANT" else "ramp"
         r, g, b, alpha = self.build.run(name, (share,), (at, len(stops)))
         return {"Color": (r, g, b), "Alpha": alpha}
 
     def _FloatCurve(self, node):
         mapping, value = node.mapping, self.number(node.inputs["Value"])
         mapping.update()
-        table = [mapping.evaluate(mapping.curves[0], k / 256) for k in range(257)]
-        curved = self.build.run("curve", (value,), (self.build.pool.place(table), 257))[0]
+        curved = self._curve(mapping, [mapping.evaluate(mapping.curves[0], k / 256) for k in range(257)], value)
         return {"Value": self.build.mix(value, curved, self.number(trees.input_of(node, "Factor")))}
 
     def _VectorCurve(self, node):
@@ -47,7 +51,7 @@ class Values(Sums):
         for k in range(3):
             table = [mapping.evaluate(mapping.curves[k], step / 128 - 1) for step in range(257)]
             share = build.multiply(build.add(vector[k], 1.0), 0.5)
-            out.append(build.run("curve", (share,), (build.pool.place(table), 257))[0])
+            out.append(self._curve(mapping, table, share))
         return {"Vector": self._mixed(vector, tuple(out), self.number(trees.input_of(node, "Fac")))}
 
     def _RGBCurve(self, node):
@@ -58,8 +62,18 @@ class Values(Sums):
         out = []
         for k in range(3):
             table = [mapping.evaluate(mapping.curves[k], value) for value in white]
-            out.append(self.build.run("curve", (color[k],), (self.build.pool.place(table), 257))[0])
+            out.append(self._curve(mapping, table, color[k]))
         return {"Color": self._mixed(color, tuple(out), share)}
+
+    def _curve(self, mapping, table, x):
+        """What a table of 0 to 1 gives; beyond its ends it goes on as it ends, if the curve does."""
+        build = self.build
+        value = build.run("curve", (x,), (build.pool.place(table), len(table)))[0]
+        if mapping.extend != "EXTRAPOLATED":
+            return value
+        below, above = build.minimum(x, 0.0), build.maximum(build.subtract(x, 1.0), 0.0)
+        first, last = (float(len(table) - 1) * (b - a) for a, b in (table[:2], table[-2:]))
+        return build.add(value, build.add(build.multiply(below, first), build.multiply(above, last)))
 
     def _RGBToBW(self, node):
         return {"Val": self._dot(self.three(node.inputs["Color"]), LUMINANCE)}
@@ -81,7 +95,7 @@ class Values(Sums):
     def _CombineColor(self, node):
         values = tuple(self.number(socket) for socket in node.inputs)
         if node.mode == "HSV":
-            values = self.build.run("from_hsv", values)
+            values = self._from_hsv(values)
         elif node.mode == "HSL":
             values = self._from_hsl(values)
         return {"Color": values}
@@ -90,7 +104,14 @@ class Values(Sums):
         return dict(zip("HSV", self.build.run("to_hsv", self.three(node.inputs[0])), strict=True))
 
     def _CombineHSV(self, node):
-        return {"Color": self.build.run("from_hsv", tuple(self.number(socket) for socket in node.inputs))}
+        return {"Color": self._from_hsv(tuple(self.number(socket) for socket in node.inputs))}
+
+    def _from_hsv(self, values):
+        """As in Cycles a hue of less than 0 or more than 1 lies in the last sixth of the circle."""
+        build, (hue, saturation, value) = self.build, values
+        beyond = build.add(build.less(hue, 0.0), build.less(1.0, hue))
+        last = build.multiply(build.add(5.0, self._fraction(build.multiply(hue, 6.0))), 1 / 6)
+        return build.run("from_hsv", (build.mix(hue, last, beyond), saturation, value))
 
     def _to_hsl(self, color):
         build = self.build
@@ -101,9 +122,10 @@ class Values(Sums):
 
     def _from_hsl(self, color):
         build, (hue, saturation, light) = self.build, color
-        value = build.add(light, build.multiply(saturation, build.minimum(light, build.subtract(1.0, light))))
-        share = build.multiply(2.0, build.divide(build.subtract(value, light), value))
-        return build.run("from_hsv", (hue, share, value))
+        away = build.apply("absolute", build.subtract(build.multiply(2.0, light), 1.0))
+        wide = build.multiply(build.subtract(1.0, away), saturation)
+        return tuple(build.add(build.multiply(build.subtract(c, 0.5), wide), light)
+                     for c in build.run("from_hsv", (build.clamp(hue), 1.0, 1.0)))
 
     def _SeparateRGB(self, node):
         return dict(zip("RGB", self.three(node.inputs[0]), strict=True))
@@ -119,8 +141,9 @@ class Values(Sums):
     def _Gamma(self, node):
         gamma = self.number(node.inputs["Gamma"])
         build, out = self.build, []
-        for c in self.three(node.inputs["Color"]):  # what is not above 0 stays
-            out.append(build.mix(c, build.apply("power", build.maximum(c, 0.0), gamma), build.less(0.0, c)))
+        for c in self.three(node.inputs["Color"]):  # what is not above 0 stays, but for a gamma of 0
+            power = build.mix(c, build.apply("power", build.maximum(c, 0.0), gamma), build.less(0.0, c))
+            out.append(build.mix(1.0, power, self._is(gamma)))
         return {"Color": tuple(out)}
 
     def _BrightContrast(self, node):
@@ -159,9 +182,11 @@ class Values(Sums):
             sign = build.multiply(*(build.subtract(1.0, build.multiply(2.0, no)) for no in (mirrored, inverted)))
             x, y = build.multiply(x, strength), build.multiply(build.multiply(y, strength), sign)
             z = build.mix(1.0, z, build.clamp(strength))
-            return {"Normal": self._unit(tuple(
+            turned = self._unit(tuple(
                 build.add(build.multiply(x, t), build.add(build.multiply(y, b), build.multiply(z, n)))
-                for t, b, n in zip(along, side, normal, strict=True)))}
+                for t, b, n in zip(along, side, normal, strict=True)))
+            there = self._is(self._dot_of(along, along))  # whether the mesh has tangents
+            return {"Normal": self._mixed(normal, turned, there)}
         else:
             raise trees.Unknown(node.name)
         return {"Normal": self._unit(self._mixed(normal, self._unit(way), strength))}
@@ -171,7 +196,11 @@ class Values(Sums):
         slope of the height, which is looked at beside the pixel, too. Cycles looks a part of a pixel away, many times
         in each; so a step, as at joints, is in that part of it alone, wherever it lies."""
         build, inputs = self.build, node.inputs
-        normal = self.three(inputs["Normal"]) if trees.source_of(inputs["Normal"]) else build.run("normal")
+        normal = self._normal(inputs["Normal"])
+        if not trees.source_of(inputs["Height"]):
+            if self.given(inputs["Normal"]):
+                self.lose(node.name)  # Cycles takes some for none
+            return {"Normal": normal}
         part = self.number(inputs["Filter Width"]) if "Filter Width" in inputs else 0.1
         if isinstance(part, Register) or self.beside or part <= 0:
             raise trees.Unknown(node.name)

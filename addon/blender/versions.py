@@ -20,6 +20,8 @@ BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0
 AREA_LIGHT = 1.0 if bpy.app.version >= (4, 1, 0) else np.pi / 4
 # Whether the cone of a spot lamp that is scaled is wider and narrower across: in 4.5 it is, in 3.4 not.
 SPOTS_SCALE = bpy.app.version >= (4, 1, 0)
+# From 4.0 on light that goes from facet to facet of what is rough takes its color, each time.
+FACETS_TINT = bpy.app.version >= (4, 0, 0)
 # 5.0 places Voronoi's points by PCG; before, by Jenkins' hash.
 PCG_CELLS = bpy.app.version >= (5, 0, 0)
 # 5.0 made Freestyle's edge marks a boolean attribute; before, they are a property of edges.
@@ -203,6 +205,60 @@ def strokes(layer, frame):
     else:
         found = [([point.position.copy() for point in stroke.points], stroke.cyclic) for stroke in now.drawing.strokes]
     return [[*points, points[0]] if cyclic and points else points for points, cyclic in found]
+
+
+def new_strokes(name, frame):
+    """(data of Grease Pencil, a function of (layer's name, polylines, number of each one's material) that draws these
+    at a frame, each layer over the last). Of a polyline `places` and `ink` are (n, 3), `radii` and `darkness` (n,), and
+    `closed` a bool; `tinted`, whether its own ink counts, and not its material's. 4.3 gave Grease Pencil drawings, and
+    5.0 its name to these."""
+    old = bpy.app.version < (4, 3, 0)
+    data = getattr(bpy.data, "grease_pencils_v3", bpy.data.grease_pencils).new(name)
+    data.stroke_depth_order = "2D"
+    if old:
+        data.stroke_thickness_space = "WORLDSPACE"
+
+    def draw(layer_name, lines, numbers):
+        layer = data.layers.new(layer_name)
+        layer.use_lights = False
+        shown = layer.frames.new(frame)
+        (_old_strokes if old else _drawing)(shown, lines, numbers)
+
+    return data, draw
+
+
+def _colors(line):
+    """What a line's points are tinted by: red, green, blue and how far."""
+    return np.concatenate([line.ink, np.full((len(line.ink), 1), float(line.tinted))], 1)
+
+
+def _old_strokes(frame, lines, numbers):
+    for line, number in zip(lines, numbers, strict=True):
+        stroke = frame.strokes.new()
+        # 2000 units of thickness are one of the scene.
+        stroke.line_width = max(1, int(np.ceil(2000 * line.radii.max())))
+        stroke.use_cyclic, stroke.material_index, stroke.display_mode = line.closed, number, "3DSPACE"
+        stroke.points.add(len(line.places))
+        for name, values in (("co", line.places), ("pressure", 2000 * line.radii / stroke.line_width),
+                             ("strength", line.darkness), ("vertex_color", _colors(line))):
+            stroke.points.foreach_set(name, np.ascontiguousarray(values, np.float32).reshape(-1))
+
+
+def _drawing(frame, lines, numbers):
+    drawing = frame.drawing
+    drawing.add_strokes([len(line.places) for line in lines])
+    for name, kind, domain, values in (
+            ("position", "FLOAT_VECTOR", "POINT", np.concatenate([line.places for line in lines])),
+            ("radius", "FLOAT", "POINT", np.concatenate([line.radii for line in lines])),
+            ("opacity", "FLOAT", "POINT", np.concatenate([line.darkness for line in lines])),
+            ("vertex_color", "FLOAT_COLOR", "POINT", np.concatenate([_colors(line) for line in lines])),
+            ("cyclic", "BOOLEAN", "CURVE", np.array([line.closed for line in lines])),
+            ("material_index", "INT", "CURVE", np.array(numbers))):
+        attribute = drawing.attributes.get(name) or drawing.attributes.new(name, kind, domain)
+        member = {"FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color"}.get(kind, "value")
+        flat = values if kind in ("BOOLEAN", "INT") else np.ascontiguousarray(values, np.float32)
+        attribute.data.foreach_set(member, flat.reshape(-1))
+    drawing.tag_positions_changed()
 
 
 def divides(obj, depsgraph):

@@ -2,15 +2,38 @@
 """What is asked of a view layer: the passes that it has, what its file keeps, and what the file says."""
 
 import contextlib
+from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from ..pen import layers, metadata, saved
 from ..pen.errors import EncreError
+from ..pen.job import Frame
 from . import images, properties, versions
 
 series = False  # whether `encre render` may render another frame in this process
 stamped = {}  # {key: text} that `encre render` has stored in each frame's file besides its settings
+
+
+@dataclass
+class Strokes:
+    """The strokes of a view layer's picture: points of abi.STROKE_POINT, in pixels of the frame."""
+
+    points: np.ndarray
+    view: np.ndarray        # world -> camera, 4 x 4
+    projection: np.ndarray  # camera -> clip
+    frame: Frame
+    called: dict            # number of an object -> its name
+
+
+strokes: list[Strokes] | None = None  # of what is drawn from now on; None: nobody asks
+
+
+def tell(points, *of):
+    """Notes the strokes of a picture that was drawn, if they were asked for."""
+    if strokes is not None and points is not None:
+        strokes.append(Strokes(points, *of))
 
 
 def keeps(scene):

@@ -356,6 +356,8 @@ class _Work:
             self._say("note", f"light_source {light} needs a render: {where} holds {held}, which is kept")
         self._say("note", settings.blots(_place(stored, window).height))
         self._say("note", missing and f"{where} has {'; '.join(missing)}")
+        if old := saved.tells_no_lines(names, "chains" in read, settings):
+            self._say("note", f"{where} has {old}")
         self._say("note", _idle(read, settings, where))
         if behind := np.count_nonzero(read["depth"] < 0):
             self._say("warning", f"{where}: the depth of {behind} pixels is negative, behind the camera: lines between "

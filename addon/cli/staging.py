@@ -124,11 +124,19 @@ def heed_scene(job, scene, report):
                "picture, and an .exr has no passes to draw again; switch Sequencer off in its Post Processing")
 
 
+def plain(scene):
+    """Shows colors as they are. A file for another engine is exposed and graded as a photograph: paper is gray."""
+    view = scene.view_settings
+    view.view_transform, view.look, view.exposure, view.gamma, view.use_curve_mapping = "Standard", "None", 0, 1, False
+
+
 def prepare(job, report):
     """Sets the scene up as the job asks. Nothing of it is saved."""
     heed(job, report)
     scene = choose(job)
     heed_scene(job, scene, report)
+    if scene.render.engine != ENGINE:
+        plain(scene)
     scene.render.engine = ENGINE
     for id_, value in job["values"].items():
         mute(scene, f"encre.{id_}")

@@ -5,9 +5,9 @@ In: numpy arrays of float32, row 0 at the top, as Cycles or a saved file gives t
 Out: arrays again; values checked; one sentence (errors.EncreError) for what the user can mend.
 
 library binds the C functions, abi has their structures, scene is what drawn light falls on, params has their table of
-parameters, slots which of these are whose pen's and tone's, job what they take and give, chains the lines that
-meshes tell of as a picture and its file have them. settings checks values once
-and tells what they ask for; layers and overlay put layers together from passes; saved packs them for a file and unpacks
+parameters, slots which of these are whose pen's and tone's, job what they take and give, chains the lines that meshes
+tell of as a picture and its file have them, plane puts drawn strokes before a camera. settings checks values once and
+tells what they ask for; layers and overlay put layers together from passes; saved packs them for a file and unpacks
 them, slim for little room; stored tells what a file's channels are, exr reads them where no library is at hand;
 metadata and presets write and read values; installed tells where the library's file lies, background has works that go
 on beside Python, around what a part of a frame needs about it, shown pictures of how one comes about. denoise,

@@ -83,42 +83,84 @@ class RasterJob(c.Structure):
     _fields_ = [("meshes", c.POINTER(Mesh)), ("n_meshes", c.c_int32), ("n_channels", c.c_int32),
                 ("view", c.c_double * 16), ("projection", c.c_double * 16), ("clip_start", c.c_double),
                 ("clip_end", c.c_double), ("frame", Frame), *((n, Image) for n in RASTER_OUTPUTS),
-                ("progress", Progress), ("user", c.c_void_p), ("marks", Image),
-                ("creases", Image), ("coincident", Image), ("shading", Image),
+                ("progress", Progress), ("user", c.c_void_p), ("coincident", Image), ("shading", Image),
                 ("beyond", Image), ("anchor", Image), ("tangent", Image), ("card", Image)]
 
 
 class ChainPoint(c.Structure):
     _fields_ = [*((name, c.c_float) for name in ("x", "y", "depth", "bend", "gap")), ("along", c.c_float * 2),
-                ("fade", c.c_float), *((name, c.c_int32) for name in (
-                    "mesh", "edge", "kind", "side", "object", "behind", "run", "end"))]
+                ("over", c.c_float), ("fade", c.c_float), *((name, c.c_int32) for name in (
+                    "mesh", "edge", "kind", "side", "object", "behind", "run", "end")), ("color", c.c_int32 * 2)]
 
 
 CHAIN_POINT = np.dtype(ChainPoint)
 # Its bits of `kind` and values of `end`.
 CHAIN_KINDS = ("contour", "border", "number", "crease", "meet", "mark", "bevel", "smooth", "other", "material", "flush",
-               "round")
+               "round", "hidden", "color")
 CHAIN_ENDS = ("none", "node", "hidden", "frame", "loop")
+
+
+class LineInfo(c.Structure):
+    _fields_ = [("id", c.c_char_p), ("label", c.c_char_p)]
+
+
+class StrokePoint(c.Structure):
+    _fields_ = [*((name, c.c_float) for name in ("x", "y", "width")), ("ink", c.c_float * 4), ("depth", c.c_float),
+                *((name, c.c_int32) for name in ("stroke", "kind", "object", "mesh", "edge", "pass", "end", "hider"))]
+
+
+STROKE_POINT = np.dtype(StrokePoint)
+
+
+class Colored(c.Structure):
+    _fields_ = [("key", c.c_int64), ("width", c.c_int32), ("height", c.c_int32), ("colors", c.c_void_p),
+                ("wrap", c.c_int32), ("closest", c.c_int32)]
 
 
 class ChainJob(c.Structure):
     _fields_ = [("meshes", c.POINTER(Mesh)), ("n_meshes", c.c_int32), ("width", c.c_int32), ("height", c.c_int32),
                 ("least_bend", c.c_float), ("view", c.c_double * 16), ("projection", c.c_double * 16),
                 ("clip_start", c.c_double), ("clip_end", c.c_double), ("frame", Frame), ("progress", Progress),
-                ("user", c.c_void_p), ("points", c.c_void_p), ("n_points", c.c_int64)]
+                ("user", c.c_void_p), ("points", c.c_void_p), ("n_points", c.c_int64),
+                ("most_before", c.c_int32), ("reserved", c.c_int32), ("images", c.c_void_p),
+                ("n_images", c.c_int32), ("n_image", c.c_int32), ("image", c.c_void_p), ("params", c.c_void_p),
+                ("n_styles", c.c_int32), ("spare", c.c_int32)]
+
+
+def _points(at: int, count: int, what: np.dtype) -> np.ndarray:
+    """A copy: the context keeps its own only until the next job."""
+    out = np.empty(count, what)
+    c.memmove(out.ctypes.data, at, out.nbytes) if len(out) else None
+    return out
 
 
 def chain_points(found: ChainJob) -> np.ndarray:
-    """A copy of the points that a job has found: the context keeps its own only until the next."""
-    out = np.empty(found.n_points, CHAIN_POINT)
-    c.memmove(out.ctypes.data, found.points, out.nbytes) if len(out) else None
-    return out
+    """The points that a job has found."""
+    return _points(found.points, found.n_points, CHAIN_POINT)
+
+
+def stroke_points(drawn: Any) -> np.ndarray:
+    """The points of strokes that a job has drawn."""
+    return _points(drawn.strokes, drawn.n_strokes, STROKE_POINT)
 
 
 class BakeJob(c.Structure):
     _fields_ = [("texture", Image), ("form", Image), ("output", Image), ("params", c.c_void_p),
                 ("linear", c.c_int32), ("wrap_x", c.c_int32), ("wrap_y", c.c_int32), ("reserved", c.c_int32),
                 ("progress", Progress), ("user", c.c_void_p), ("nonfinite", c.c_int64), ("greatest", c.c_double)]
+
+
+EVEN_INPUTS = {"light": 3, "rendered": 3, "normal": 3, "depth": 1, "object": 1}  # channels
+EVEN_REACH = 64  # ENCRE_EVEN_REACH
+
+
+class EvenJob(c.Structure):
+    _fields_ = [*((n, Image) for n in EVEN_INPUTS), ("progress", Progress), ("user", c.c_void_p)]
+
+
+class AverageJob(c.Structure):
+    _fields_ = [("large", Image), ("output", Image), ("factor", c.c_int32), ("reserved", c.c_int32),
+                ("progress", Progress), ("user", c.c_void_p)]
 
 
 class Geometry(c.Structure):
@@ -154,6 +196,7 @@ class LightJob(c.Structure):
                 ("specular", Image),
                 ("world", c.c_float * 27), ("n_bends", c.c_int32), ("bends", c.c_void_p), ("sharp", c.c_bool),
                 ("rims", c.c_bool),
+                ("unshadowed", c.c_bool),
                 ("progress", Progress), ("user", c.c_void_p)]
 
 
@@ -174,8 +217,9 @@ class Program(c.Structure):
 
 
 class Picture(c.Structure):
-    _fields_ = [("texels", c.c_void_p), ("width", c.c_int32), ("height", c.c_int32), ("levels", c.c_int32),
-                ("wrap", c.c_int32)]
+    _fields_ = [("texels", c.c_void_p), ("bytes", c.c_void_p), ("curve", c.c_void_p), ("width", c.c_int32),
+                ("height", c.c_int32), ("levels", c.c_int32), ("wrap", c.c_int32), ("straight", c.c_int32),
+                ("reserved", c.c_int32)]
 
 
 class Materials(c.Structure):
@@ -205,7 +249,8 @@ class CallJob(c.Structure):
 
 MOST_LEVELS = 32  # of a texture: each halves what an int32 counts
 
-WORKS = ("render", "raster", "light", "bake", "material", "call", "chains")  # enum encre_kind; so are functions called
+WORKS = ("render", "raster", "light", "bake", "material", "call", "chains", "even",
+         "average")  # enum encre_kind; so are functions called
 
 
 def steps(works: Sequence[job.Work]) -> Array[Step]:
@@ -229,6 +274,23 @@ def given(name: str, a: np.ndarray, channels: int) -> tuple[np.ndarray, Image]:
     return a, image(a)
 
 
+def fill_picture(to: Picture, texture: job.Picture, keep: list) -> None:
+    """Makes `to` the texture, which holds as long as the arrays that `keep` gets live."""
+    count, width, height = 0, texture.width, texture.height
+    for _ in range(min(texture.levels, MOST_LEVELS)):
+        count, width, height = count + width * height, max(1, width // 2), max(1, height // 2)
+    kind = np.float32 if texture.curve is None else np.uint8
+    keep.append(np.ascontiguousarray(job.entries("texture: texels", texture.texels, kind, (count, 4)), kind))
+    at = keep[-1].ctypes.data if keep[-1].size else None
+    if texture.curve is None:
+        to.texels = at
+    else:
+        keep.append(np.ascontiguousarray(job.entries("texture: curve", texture.curve, np.float32, (256,)), np.float32))
+        to.bytes, to.curve = at, keep[-1].ctypes.data
+    to.width, to.height, to.levels = texture.width, texture.height, texture.levels
+    to.wrap, to.straight = job.WRAPS.index(texture.wrap), texture.straight
+
+
 def materials(given: job.Materials) -> tuple[Materials, list]:
     """(encre_materials, arrays as long as which it holds)."""
     keep: list = []
@@ -244,15 +306,24 @@ def materials(given: job.Materials) -> tuple[Materials, list]:
         to.n_registers = program.registers
         to.result[:] = list(program.result)
     for to, texture in zip(textures, given.textures, strict=False):
-        count, width, height = 0, texture.width, texture.height
-        for _ in range(min(texture.levels, MOST_LEVELS)):
-            count, width, height = count + width * height, max(1, width // 2), max(1, height // 2)
-        to.texels = pointer(job.entries("texture: texels", texture.texels, np.float32, (count, 4)), np.float32)
-        to.width, to.height, to.levels = texture.width, texture.height, texture.levels
-        to.wrap = job.WRAPS.index(texture.wrap)
+        fill_picture(to, texture, keep)
     things = np.asarray(given.things, np.float32)
     return Materials(programs, textures, pointer(given.constants, np.float32), pointer(things, np.float32),
                      len(given.programs), len(given.textures), len(given.constants), *things.shape, 0), keep
+
+
+def fill_colors(found: ChainJob, colors: job.Colors) -> list:
+    """Makes them the job's, which holds as long as the returned arrays live."""
+    images, keep = (Colored * max(1, len(colors.images)))(), list[Any]()
+    for to, image in zip(images, colors.images, strict=False):
+        keep.append(np.ascontiguousarray(image.colors, np.float32))
+        height, width, _ = keep[-1].shape
+        to.key, to.width, to.height, to.colors = image.key, width, height, keep[-1].ctypes.data
+        to.wrap, to.closest = (*job.WRAPS, "mirror").index(image.wrap), bool(image.closest)
+    of = np.ascontiguousarray(colors.image, np.int32)
+    found.images, found.n_images = c.addressof(images), len(colors.images)
+    found.image, found.n_image = of.ctypes.data, len(of)
+    return [*keep, images, of]
 
 
 def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
@@ -295,6 +366,7 @@ def declare(lib: c.CDLL) -> None:
     lib.encre_stage_info.restype = c.POINTER(StageInfo)
     lib.encre_layer_info.restype = lib.encre_output_info.restype = c.POINTER(LayerInfo)
     lib.encre_control_info.restype = c.POINTER(ControlInfo)
+    lib.encre_line_info.restype = c.POINTER(LineInfo)
     lib.encre_operation_info.restype = c.POINTER(OperationInfo)
     lib.encre_params_size.restype = c.c_int64
     lib.encre_params_check.restype = c.c_char_p
@@ -309,6 +381,8 @@ def declare(lib: c.CDLL) -> None:
     lib.encre_scene_reach.argtypes = [c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p]
     for name in (*(f"encre_{kind}" for kind in WORKS), "encre_poll"):
         getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
+    lib.encre_picture_levels.argtypes = [c.c_void_p, c.c_void_p, c.c_void_p]
+    lib.encre_flatten.argtypes = [c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p]
     lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]
     lib.encre_wait.argtypes = lib.encre_cancel.argtypes = [c.c_void_p]
     lib.encre_cancel.restype = None
@@ -321,7 +395,8 @@ def render_job(layers: int, outputs: int) -> type[c.Structure]:
                     ("camera", Camera), ("frame", Frame), ("params", c.c_void_p), ("n_styles", c.c_int32),
                     ("reserved", c.c_int32), ("progress", Progress), ("user", c.c_void_p),
                     ("nonfinite", c.c_int64), ("same", c.c_int64), ("chains", c.c_void_p), ("n_chains", c.c_int64),
-                    ("chained", c.c_void_p), ("n_chained", c.c_int64)]
+                    ("chained", c.c_void_p), ("n_chained", c.c_int64), ("tell_strokes", c.c_int32),
+                    ("reserved_2", c.c_int32), ("strokes", c.c_void_p), ("n_strokes", c.c_int64)]
     return Job
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from . import abi, background, even
+from . import abi, background, samples
 from .around import Window
 from .errors import EncreError
 from .job import Work
@@ -20,7 +20,7 @@ from .job import Work
 _CPU, _FLOAT3 = 1, 3
 _PAD = 32  # mirrored pixels beyond the frame: less lets stripes along it through
 OVERLAP = 80  # how far its network sees, on its grid
-REACH = OVERLAP + even.REACH  # with what evens out what it leaves
+REACH = OVERLAP + samples.REACH  # with what evens out what it leaves
 _GRID = 16  # on which the network halves pictures: places on it give the same in every part of a frame
 _ROWS, _PIXELS = 34 * _GRID, 1 << 20  # of a strip, one or the other: between two of them it can be cancelled
 _FAST, _FAST_SINCE = 4, 20300
@@ -102,7 +102,7 @@ def steps(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: 
         return out
     yield from _clean(out, images, _box(there), threads, home, at, scale, fast)
     if surface:
-        even.even(out, picture, normal, *surface)
+        yield [samples.even_work(out, picture, normal, *surface)]
     return out
 
 
@@ -224,5 +224,5 @@ class _Filter:
         sentence = c.c_char_p()
         if self.device.library.oidnGetDeviceError(self.device.handle, c.byref(sentence)):
             reason = (sentence.value or b"").decode(errors="replace")
-            raise EncreError(f"Open Image Denoise failed ({reason}); set Denoise Light to None")
+            raise EncreError(f"Open Image Denoise failed ({reason}); set Denoise to None, in Layers and Quality")
         return self.output

@@ -2,7 +2,7 @@
 """What the library is given and gives back, as numpy knows it. Shapes are checked here: C can't see them."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,9 +13,9 @@ from .errors import EncreError
 
 @dataclass
 class Camera:
-    """view: rotation world -> camera, 9 floats row by row; height: orthographic frame height in scene units; distance:
-    depth of what the picture is about, 0: not known; light, shade: diffuse light that is full light to shade_meter
-    LAMPS, and that of the shade, 0: not known."""
+    """view: rotation world -> camera, 9 floats row by row; height: of the frame in scene units, in perspective at a
+    depth of 1; distance: depth of what the picture is about, 0: not known; light, shade: diffuse light that is full
+    light to shade_meter LAMPS, and that of the shade, 0: not known."""
 
     view: Sequence[float] = (1, 0, 0, 0, 1, 0, 0, 0, 1)
     orthographic: bool = False
@@ -129,17 +129,41 @@ class Work:
 
 @dataclass
 class Picture:
-    """texels: (n, 4), scene-linear, of `levels` levels of detail one after the other, each of half the width and
-    height, row 0 at the bottom; wrap: "repeat", "extend" or "clip"."""
+    """texels: (n, 4) of `levels` levels of detail one after the other, each of half the width and height, row 0 at the
+    bottom; float32, scene-linear, or uint8, whose colors `curve` (256) makes so. straight: whether the colors of bytes
+    are to be multiplied by alpha; wrap: "repeat", "extend" or "clip"."""
 
     texels: np.ndarray
     width: int
     height: int
     levels: int = 1
     wrap: str = "repeat"
+    curve: np.ndarray | None = None
+    straight: bool = False
 
 
 WRAPS = ("repeat", "extend", "clip")  # enum encre_extension
+
+
+@dataclass
+class Colored:
+    """An image on surfaces, as they look without light: colors (height, width, 3), scene-linear, row 0 at the bottom;
+    key: a number that no other colors have; wrap: one of WRAPS, or "mirror"; closest: its texels are not mixed."""
+
+    colors: np.ndarray
+    key: int
+    wrap: str = "repeat"
+    closest: bool = False
+
+
+@dataclass
+class Colors:
+    """What tells where colors part on meshes. images: Colored; image: by number of material, which of these its colors
+    are those of, by the meshes' uv, -1: none tells; every: the values of styles, as Library.complete() gives them."""
+
+    images: Sequence[Colored]
+    image: np.ndarray
+    every: Sequence[Mapping]
 
 
 @dataclass
@@ -167,6 +191,7 @@ class Materials:
 class Result:
     images: dict[str, np.ndarray]
     nonfinite: int
+    strokes: np.ndarray | None = None  # of abi.STROKE_POINT, where they were asked for
 
 
 @dataclass
@@ -208,6 +233,13 @@ def entries(what: str, a: np.ndarray, dtype: type, shape: tuple[int, ...]) -> np
                          "bits")
     if a.shape != shape:
         raise EncreError(f"{what}: the array has shape {a.shape}; give {shape}")
+    return a
+
+
+def filled_bytes(a: np.ndarray) -> np.ndarray:
+    """`a`, into which C can write as it is."""
+    if a.dtype != np.uint8 or not a.flags.writeable or not a.flags.c_contiguous:
+        raise EncreError("texels: the array can't be filled; give a writeable one of uint8 in one piece")
     return a
 
 

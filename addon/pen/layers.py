@@ -240,7 +240,7 @@ class _Light:
 
 
 # Layers that may as well be absent where they are 0 everywhere.
-_NEUTRAL = ("specular", "highlights", "gloss", "style", "controls", "marks", "anchor", "tangent", "card")
+_NEUTRAL = ("specular", "highlights", "gloss", "style", "controls", "anchor", "tangent", "card")
 
 
 def assemble(passes: dict[str, np.ndarray], settings: Settings, known: dict[str, np.ndarray] | None = None,

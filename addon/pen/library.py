@@ -9,6 +9,7 @@ import ctypes as c
 import functools
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
@@ -16,10 +17,24 @@ import numpy as np
 
 from . import abi, installed
 from .errors import Cancelled, EncreError, unknown
-from .job import Baked, Camera, Chains, Frame, Materials, Mesh, Result, Work, filled, whole
+from .job import (
+    Baked,
+    Camera,
+    Chains,
+    Colors,
+    Frame,
+    Materials,
+    Mesh,
+    Picture,
+    Result,
+    Work,
+    filled,
+    filled_bytes,
+    whole,
+)
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 20
+API_VERSION = 23
 _ALL = "; `encre params` lists all"
 
 
@@ -51,6 +66,7 @@ class Library:
         self.output_help = {text_of(x.name): text_of(x.help) for x in _each(lib.encre_output_info)}
         self.controls = {x.name: x for x in map(control, _each(lib.encre_control_info))}
         self.stages = tuple(map(stage, _each(lib.encre_stage_info)))
+        self.lines = {text_of(x.id): text_of(x.label) for x in _each(lib.encre_line_info)}
         self.operations = {text_of(x.name): (k, x.inputs, x.outputs)
                            for k, x in enumerate(_each(lib.encre_operation_info))}
         self.params = {p.id: p for s in self.stages for p in s.params}
@@ -173,7 +189,7 @@ class Library:
 
         scene: values that differ from the defaults; styles[k]: what style number k + 1 changes, of which values of
         frame scope are ignored. image(chosen): the pixels of one of the images() that are read, if any are. chains: the
-        lines that the meshes tell of, for the detector FINE.
+        lines that the meshes tell of.
         Result.images has an array (H, W, channels) for each of `outputs`.
         """
         every = self.complete(self.check(scene or {}), [self.check(s) for s in styles])
@@ -183,21 +199,23 @@ class Library:
              frame: Frame | None = None, outputs: Sequence[str] = ("Combined",), threads: int = 0, simd: int = 1,
              progress: Callable[[float], bool] | None = None,
              image: Callable[[Chosen], np.ndarray] | None = None,
-             empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, chains: Chains | None = None) -> Result:
+             empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, chains: Chains | None = None,
+             strokes: bool = False) -> Result:
         """As render(); every[k]: the checked values of style number k, as complete() gives them; empty(shape) makes the
-        arrays of what is drawn."""
-        return self.run(self.draw_work(layers, every, camera, frame, outputs, image, empty, chains=chains), threads,
-                        simd, progress)
+        arrays of what is drawn; strokes: whether its lines are told as strokes, too."""
+        work = self.draw_work(layers, every, camera, frame, outputs, image, empty, chains=chains, strokes=strokes)
+        return self.run(work, threads, simd, progress)
 
     def draw_work(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
                   frame: Frame | None = None, outputs: Sequence[str] = ("Combined",),
                   image: Callable[[Chosen], np.ndarray] | None = None,
                   empty: Callable[[tuple[int, ...]], np.ndarray] | None = None, same: int = 0,
-                  chains: Chains | None = None) -> Work:
-        """The Work of draw(). same: 0, or a number that other works of these layers, and no others, have too: where
+                  chains: Chains | None = None, strokes: bool = False) -> Work:
+        """The Work of draw(). strokes: whether these are told, too.
+        same: 0, or a number that other works of these layers, and no others, have too: where
         one context draws several one after the other, it finds their edges once. The lines of meshes may lie among the
         layers, too, as `chains`."""
-        job, keep = self._job(same=same), list[Any]()
+        job, keep = self._job(same=same, tell_strokes=strokes), list[Any]()
         told: Any = layers.get("chains", chains)
         layers = {name: picture for name, picture in layers.items() if name != "chains"}
         for i, (name, channels) in enumerate(self.layers.items()):
@@ -243,7 +261,16 @@ class Library:
             job.chains, job.n_chains = points.ctypes.data, points.size
             job.chained, job.n_chained = chained.ctypes.data, chained.size
             keep += [points, chained]
-        return Work("render", job, keep, lambda: Result(images, job.nonfinite))
+        return Work("render", job, keep, lambda: Result(images, job.nonfinite,
+                                                        abi.stroke_points(job) if strokes else None))
+
+    def strokes(self, layers: Mapping[str, np.ndarray], every: Sequence[Mapping], camera: Camera | None = None,
+                frame: Frame | None = None, threads: int = 0, progress: Callable[[float], bool] | None = None,
+                image: Callable[[Chosen], np.ndarray] | None = None) -> np.ndarray:
+        """The strokes of the lines that draw() would draw, as an array of abi.STROKE_POINT: polylines, those that lie
+        over others after these. EncreError: as of draw(), and of another edge_detector than FINE."""
+        work = self.draw_work(layers, every, camera, frame, (), image, strokes=True)
+        return self.run(work, threads, 1, progress).strokes
 
     def raster(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
                size: tuple[int, int], clip_start: float, clip_end: float = 0.0, channels: int = 0,
@@ -252,9 +279,8 @@ class Library:
                beyond: np.ndarray | None = None) -> dict[str, np.ndarray]:
         """Draws meshes into images of `size` (width, height); view and projection are 4 x 4 (OpenGL conventions).
 
-        Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for, `marks`
-        (H, W, 2), `creases` (H, W, 4), `coincident`, `shading` (H, W, 3), `anchor` (H, W, 16), `tangent` (H, W, 3)
-        and `card` (H, W, 4).
+        Returns float32 arrays (H, W), `normal` (H, W, 3), `attributes` (H, W, channels) and, if asked for,
+        `coincident`, `shading` (H, W, 3), `anchor` (H, W, 16), `tangent` (H, W, 3) and `card` (H, W, 4).
         beyond (H, W): only what lies farther than this is drawn; at 1e10 nothing is.
         """
         work = self.raster_work(meshes, view, projection, frame, size, clip_start, clip_end, channels, outputs, beyond)
@@ -279,7 +305,7 @@ class Library:
         width, height = size
         images = {}
         single = dict.fromkeys(("depth", "object", "material", "style", "coincident"), ())
-        deep = {**single, "normal": (3,), "attributes": (channels,), "marks": (2,), "creases": (4,), "shading": (3,),
+        deep = {**single, "normal": (3,), "attributes": (channels,), "shading": (3,),
                 "anchor": (self.layers["anchor"],), "tangent": (3,), "card": (4,)}
         for name in outputs:
             if name not in deep:
@@ -292,16 +318,20 @@ class Library:
 
     def chains(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
                size: tuple[int, int], clip_start: float, clip_end: float = 0.0, least_bend: float = 5.0,
-               threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None) -> np.ndarray:
+               threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None,
+               most_before: int = 0, colors: Colors | None = None) -> np.ndarray:
         """The lines that meshes know, as an array of abi.CHAIN_POINT: runs along their edges, as far as they can be
-        seen in images of `size` (width, height). least_bend: degrees from which on an edge is a crease."""
-        work = self.chains_work(meshes, view, projection, frame, size, clip_start, clip_end, least_bend)
+        seen in images of `size` (width, height), and where `colors` part. least_bend: degrees from which on an edge is
+        a crease. most_before: also what is hidden by so many meshes at most."""
+        work = self.chains_work(meshes, view, projection, frame, size, clip_start, clip_end, least_bend, most_before,
+                                colors)
         return self.run(work, threads, simd, progress)
 
     def chains_work(self, meshes: Sequence[Mesh], view: np.ndarray, projection: np.ndarray, frame: Frame,
-                    size: tuple[int, int], clip_start: float, clip_end: float = 0.0, least_bend: float = 5.0) -> Work:
+                    size: tuple[int, int], clip_start: float, clip_end: float = 0.0, least_bend: float = 5.0,
+                    most_before: int = 0, colors: Colors | None = None) -> Work:
         """The Work of chains()."""
-        job, keep = abi.ChainJob(least_bend=least_bend), []
+        job, keep = abi.ChainJob(least_bend=least_bend, most_before=most_before), list[Any]()
         array = (abi.Mesh * max(1, len(meshes)))()
         for m, mesh in zip(array, meshes, strict=False):
             keep.append(abi.fill_mesh(m, mesh))
@@ -310,6 +340,11 @@ class Library:
         job.projection[:] = np.asarray(projection, np.float64).ravel()
         job.clip_start, job.clip_end = clip_start, clip_end
         job.frame, (job.width, job.height) = abi.frame(frame), size
+        if colors and len(colors.images):
+            keep += abi.fill_colors(job, colors)
+            block = b"".join(bytes(self.pack(values, {})[0]) for values in colors.every)
+            keep += [block]
+            job.params, job.n_styles = c.cast(c.c_char_p(block), c.c_void_p), len(colors.every)
         return Work("chains", job, [keep, array], lambda: abi.chain_points(job))
 
     def material(self, materials: Materials, maps: Mapping[str, np.ndarray], view: np.ndarray, projection: np.ndarray,
@@ -343,6 +378,28 @@ class Library:
             images[name] = np.empty((*maps["object"].shape[:2], abi.MATERIAL_OUTPUTS[name]), np.float32)
             setattr(job, name, abi.image(images[name]))
         return Work("material", job, [keep, block], lambda: images)
+
+    def picture_levels(self, picture: Picture) -> None:
+        """Fills the levels of detail of a picture of bytes behind its first one, in place."""
+        keep: list = []
+        given = abi.Picture()
+        abi.fill_picture(given, replace(picture, texels=filled_bytes(picture.texels)), keep)
+        context = self.context()
+        try:
+            if self.lib.encre_picture_levels(context, c.byref(given), given.bytes):
+                raise EncreError(text_of(self.lib.encre_error(context)))
+        finally:
+            self.lib.encre_destroy(context)
+
+    def flatten(self, picture: Picture, most: int, threads: int = 0) -> None:
+        """Gives a picture flat colors, `most` at most, in place: its first level; the others are to be made anew."""
+        keep: list = []
+        given = abi.Picture()
+        abi.fill_picture(given, picture, keep)
+        at = given.bytes or given.texels
+        if at != picture.texels.ctypes.data or not picture.texels.flags.writeable:
+            raise EncreError("texels: the array can't be filled; give a writeable one in one piece")
+        self.call(self.lib.encre_flatten, given, most, at, threads=threads)
 
     def bake(self, texture: np.ndarray, scene: Mapping | None = None, form: np.ndarray | None = None,
              linear: bool = False, wrap: tuple[bool, bool] = (True, True), draw: bool = True, threads: int = 0,
@@ -425,6 +482,10 @@ def render(*args: Any, **kwargs: Any) -> Result:
 
 def draw(*args: Any, **kwargs: Any) -> Result:
     return load().draw(*args, **kwargs)
+
+
+def strokes(*args: Any, **kwargs: Any) -> np.ndarray:
+    return load().strokes(*args, **kwargs)
 
 
 def raster(*args: Any, **kwargs: Any) -> dict[str, np.ndarray]:

@@ -56,21 +56,15 @@ def settled(index: np.ndarray, drawn: np.ndarray, where: np.ndarray, pairs: np.n
 
 def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The rasteriser's pictures as long as Cycles renders: numbers in as few bytes as they need, and what is 0
-    everywhere left out. Creases get as a fifth channel what bends() tells of the `normal` of the faces, which goes.
-    Of `coincident` it stays where there are any, and in `pairs` of which objects."""
+    everywhere left out. Of `coincident` it stays where there are any, and in `pairs` of which objects."""
     out = {}
     coincident = maps.pop("coincident", None)
     if coincident is not None and coincident.any():
         out["coincident"] = coincident != 0
         both = maps["object"][out["coincident"]], coincident[out["coincident"]]
         out["pairs"] = np.unique(np.stack(both, 1).astype(np.int32), axis=0)
-    if "creases" in maps:
-        creases, normal = maps.pop("creases"), maps.pop("normal")
-        out["creases"] = np.empty((*creases.shape[:2], 5), np.float16)  # to 1/2048 pixel and 1/16 degree
-        out["creases"][..., :4] = creases
-        out["creases"][..., 4] = bends(normal)
     for name, picture in maps.items():
-        if name not in ("attributes", "marks", "anchor", "tangent", "card"):
+        if name not in ("attributes", "anchor", "tangent", "card"):
             out[name] = picture.astype(np.min_scalar_type(int(picture.max())))
         elif picture.any():
             out[name] = picture
@@ -78,16 +72,14 @@ def compact(maps: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarray, numbers: np.ndarray,
-               strays: Callable[[np.ndarray], np.ndarray],
-               displaced: np.ndarray | None = None, refined: np.ndarray | None = None) -> dict[str, np.ndarray]:
-    """The layers object, material and style, and, where there are any, controls and marks.
+               strays: Callable[[np.ndarray], np.ndarray]) -> dict[str, np.ndarray]:
+    """The layers object, material and style, and, where there are any, controls, anchor, tangent and card.
 
     index: (height, width) object index that Cycles wrote. maps: what compact() gave of the rasteriser's pictures
-    `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls) and
-    `marks`, `creases`, `anchor`, `tangent` and `card`, and `coincident` and `pairs`; each is popped when it is read.
+    `object` (a number per part of an instance, 0 = nothing), `material`, `style`, `attributes` (the controls),
+    `anchor`, `tangent` and `card`, and `coincident` and `pairs`; each is popped when it is read.
     owners[number]: what Cycles wrote for that instance; numbers[number]: what the object layer says for it.
-    strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices. displaced: by number
-    of material, whether its surfaces are elsewhere than those that were rasterised; refined: likewise, of object.
+    strays(indices): the same for pixels whose object was not drawn nearby, from Cycles' indices.
     """
     instance = maps.pop("object").reshape(index.shape)
     if "coincident" in maps:
@@ -130,16 +122,6 @@ def rasterised(index: np.ndarray, maps: dict[str, np.ndarray], owners: np.ndarra
         there = card.reshape(-1, card.shape[2])[pixels[found]]
         there[:, :2] += right * there[:, 2:] + down * there[:, 3:1:-1] * np.array((1, -1), np.float32)
         card.reshape(-1, card.shape[2])[pixels[found]] = there
-    if "marks" in maps:
-        layers["marks"] = without(maps.pop("marks"), pixels)
-    if displaced is not None and displaced.any():
-        pixels = np.union1d(pixels, np.flatnonzero(displaced[layers["material"].astype(np.intp)]))
-    if refined is not None and refined.any():
-        pixels = np.union1d(pixels, np.flatnonzero(refined[instance]))
-    if "creases" in maps:
-        layers["creases"] = np.array(maps.pop("creases"), np.float32)
-        without(layers["creases"][..., :4], pixels)
-        layers["creases"].reshape(-1, 5)[pixels, 4] = -1  # no mesh tells of them
     return layers
 
 
@@ -204,58 +186,28 @@ _NOTHING = {"object": 0, "material": 0, "style": 0, "controls": 0, "depth": 1e10
             "seen_color": 0, "seen_normal": 0, "seen_depth": 0}
 
 
-def hide(layers: dict[str, np.ndarray], hidden: np.ndarray) -> None:
-    """Changes the layers so that nothing is at the pixels `hidden` (height, width) but what `combined` shows: a shadow
-    catcher. Along a way between two pixels at which nothing is there is no contour and no crease."""
-    nothing = _nothing(layers["depth"])
+SHADED = 0.98  # share of its light that no shadow leaves to a catcher
+# What tones need of a shadow that a catcher shows.
+_SHADOW = "diffuse", "anchor", "tangent", "card"
+
+
+def hide(layers: dict[str, np.ndarray], hidden: np.ndarray, shadows: np.ndarray | None = None) -> None:
+    """Changes the layers so that nothing is at the pixels `hidden` (height, width) but what `combined` shows, and of
+    those in `shadows`, which a catcher shows, how much light falls where."""
+    hidden = with_beside(hidden, _nothing(layers["depth"]))
+    bare = hidden if shadows is None else hidden & ~shadows
+    for name, value in _NOTHING.items():
+        if name in layers:
+            layers[name][bare if name in _SHADOW else hidden] = value
+
+
+def with_beside(hidden: np.ndarray, nothing: np.ndarray) -> np.ndarray:
+    """The pixels `hidden`, and those beside them that show nothing, whose colours are averaged with theirs."""
     beside = np.zeros(np.add(hidden.shape, 2), bool)
     for y, x in np.ndindex(3, 3):
         beside[y:y + hidden.shape[0], x:x + hidden.shape[1]] |= hidden
-    hidden = hidden | (beside[1:-1, 1:-1] & nothing)  # whose colours are averaged with the catcher's
-    for name, value in _NOTHING.items():
-        if name in layers:
-            layers[name][hidden] = value
-    nothing |= hidden
-    between = np.zeros((*nothing.shape, 2), bool)
-    between[:, :-1, 0] = nothing[:, :-1] & nothing[:, 1:]
-    between[:-1, :, 1] = nothing[:-1] & nothing[1:]
-    if "marks" in layers:
-        layers["marks"][between & (layers["marks"] < 0)] = 0
-    if "creases" in layers:
-        layers["creases"][..., :4][np.repeat(between, 2, 2)] = 0
+    return hidden | (beside[1:-1, 1:-1] & nothing)
 
 
 def _nothing(depth):
     return (depth[..., 0] >= 1e9) | ~(depth[..., 0] > 0)
-
-
-def without(ways: np.ndarray, strays: np.ndarray) -> np.ndarray:
-    """What is told of ways to the right and down (height, width, 2 n), changed: nothing of those to or from `strays`,
-    flat numbers of pixels that show something else than the rasteriser drew."""
-    n = ways.shape[2] // 2
-    stray = np.zeros(ways.shape[:2], bool)
-    stray.reshape(-1)[strays] = True
-    ways[stray] = 0
-    ways[:, :-1, :n][stray[:, 1:]] = 0
-    ways[:-1, :, n:][stray[1:]] = 0
-    return ways
-
-
-def bends(normal: np.ndarray) -> np.ndarray:
-    """By how many degrees the faces on both sides of each pixel differ, in the direction in which they do most,
-    (height, width). normal: (height, width, 3), 0 where nothing is."""
-    height, width = normal.shape[:2]
-    least, planes = np.ones((height, width), np.float32), np.ascontiguousarray(np.moveaxis(normal, 2, 0))
-    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
-        inner = least[down:height - down, abs(right):width - abs(right)]
-        first, last = abs(right) - right, width - abs(right) - right
-        one = planes[:, :height - 2 * down, first:last]
-        other = planes[:, 2 * down:, first + 2 * right:last + 2 * right]
-        product = one[0] * other[0]
-        for k in (1, 2):
-            product += one[k] * other[k]
-        np.minimum(inner, product, out=inner)
-    np.maximum(least, -1, out=least)
-    for change in (np.arccos, np.degrees):
-        change(least, out=least)
-    return least

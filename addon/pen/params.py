@@ -134,7 +134,7 @@ TONES = tuple(f"tone_{n}" for n in range(1, 7))  # of the levels of light, the d
 
 PENS = {"PEN_1": "pen_1", "PEN_2": "pen_2", "PEN_3": "pen_3"}  # the item of a kind of line that names it: its rows
 LINES = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "shadow", "mirror", "suggestive",
-         "mark")  # the kinds: line_outline_pen
+         "mark", "hidden")  # the kinds: line_outline_pen
 _VARIES = ("pressure", "wobble", "rough", "gaps", "dash", "dry", "strip", "overshoot")
 
 

@@ -13,7 +13,7 @@ from .settings import Settings
 PARTS = "seen_depth", "anchor", "tangent", "card"  # layers that a frame has only where something reads them
 _WHOLE = {"Encre Source": "combined", "Encre Diffuse": "diffuse", "Encre Seen Depth": "seen_depth",
           "Encre Tangent": "tangent", "Encre Card": "card"}
-_INDEX, _MARKS, _CREASES = "Encre Index", "Encre Marks", "Encre Creases"  # Z of the marks is the creases' fifth channel
+_INDEX = "Encre Index"
 _NUMBERS = ("object", "material", "style")
 ANCHOR = {"Encre Anchor": slice(0, 3), "Encre Anchor Normal": slice(3, 7), "Encre Anchor X": slice(7, 10),
           "Encre Anchor Y": slice(10, 13), "Encre Anchor Form": slice(13, 16)}  # channels of the layer `anchor`
@@ -22,7 +22,7 @@ ANCHOR = {"Encre Anchor": slice(0, 3), "Encre Anchor Normal": slice(3, 7), "Encr
 def passes(parts: Container[str] = PARTS) -> dict[str, str]:
     """{pass: channel letters}. parts: names of layers that are there, of which those in PARTS count."""
     controls = {name: _letters(places) for name, places in control_passes().items()}
-    out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **controls, _MARKS: "XYZ", _CREASES: "RGBA"}
+    out = {"Encre Source": "RGBA", "Encre Diffuse": "RGB", _INDEX: "XYZ", **controls}
     if "seen_depth" in parts:
         out["Encre Seen Depth"] = "X"
     if "anchor" in parts:
@@ -52,20 +52,13 @@ def pack(name: str, layers: dict[str, np.ndarray]) -> np.ndarray | None:
         return layers.get(_WHOLE[name])
     if name in ANCHOR:
         return layers["anchor"][..., ANCHOR[name]] if "anchor" in layers else None
-    channels = 4 if name == _CREASES else 3
     if name == _INDEX:
-        places = [(channel, layers.get(layer), 0) for channel, layer in enumerate(_NUMBERS)]
-    elif name == _MARKS:
-        places = [*((channel, layers.get("marks"), channel) for channel in range(2)), (2, layers.get("creases"), 4)]
-    elif name == _CREASES:
-        places = [(channel, layers.get("creases"), channel) for channel in range(4)]
+        channels, places = 3, [(channel, layers.get(layer), 0) for channel, layer in enumerate(_NUMBERS)]
     else:
         channels = len(_letters(control_passes()[name]))
         places = [(channel, layers.get("controls"), k) for channel, k in control_passes()[name]]
     # From below to above, as Blender stores it: writing it copies nothing.
     out = np.zeros((*layers["combined"].shape[:2], channels), np.float32)[::-1]
-    if name == _MARKS and "creases" not in layers:
-        out[..., 2] = -1  # no mesh tells of any pixel
     for channel, layer, k in places:
         if layer is not None:
             out[..., channel] = layer[..., k]
@@ -85,15 +78,19 @@ def missing(names: Container[str], settings: Settings) -> list[str]:
     return said
 
 
+def tells_no_lines(names: Container[str], chains: bool, settings: Settings) -> str | None:
+    """What is drawn otherwise of a file that holds the lines of meshes as older versions did; None: nothing is."""
+    if chains or "Encre Marks" not in names or not settings.wants_edges or \
+            settings.every[0]["edge_detector"] != "FINE":
+        return None
+    return "its outlines and creases from depth and normals; render again for the lines of the meshes"
+
+
 def unpack(found: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """{layer: picture (height, width, channels)} of those of the passes() that are there; older files have fewer."""
     out = {layer: found[name] for name, layer in _WHOLE.items() if name in found}
     if _INDEX in found:
         out.update((layer, found[_INDEX][..., k:k + 1]) for k, layer in enumerate(_NUMBERS))
-    if _MARKS in found:
-        out["marks"] = found[_MARKS][..., :2]
-    if _CREASES in found and _MARKS in found:
-        out["creases"] = np.concatenate([found[_CREASES], found[_MARKS][..., 2:]], 2)
     if found.keys() >= ANCHOR.keys():
         out["anchor"] = np.concatenate([found[name] for name in ANCHOR], 2)
     controls = [(found[name], places) for name, places in control_passes().items() if name in found]

@@ -95,26 +95,30 @@ class Scene:
     def light(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
               frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
               threads: int = 0, simd: int = 1, progress: Callable[[float], bool] | None = None,
-              bends: Sequence[Bend] = (), sharp: bool = False, rims: bool = False) -> np.ndarray:
+              bends: Sequence[Bend] = (), sharp: bool = False, rims: bool = False,
+              unshadowed: bool = False) -> np.ndarray:
         """The layer `diffuse` (H, W, 3) of direct light, from the layers depth (H, W) and normal (H, W, 3).
 
         view, projection: 4 x 4, as raster() takes them; world: (9, 3), colours by the functions of the normal that
         encre_light_job names; sharp: whether shadows are those of lamps without a size, which takes a half to a third
         of the time; rims: whether no pixel beside another thing is to be brighter, or darker, than all of its own about
-        it.
+        it; unshadowed: whether nothing is in the light's way.
         """
         work = self.light_work(depth, normal, view, projection, frame, clip_start, clip_end, world, bends, sharp,
-                               rims=rims)
+                               rims=rims, unshadowed=unshadowed)
         return self._library.run(work, threads, simd, progress)
 
     def light_work(self, depth: np.ndarray, normal: np.ndarray | None, view: np.ndarray, projection: np.ndarray,
                    frame: Frame, clip_start: float, clip_end: float = 0.0, world: np.ndarray | None = None,
                    bends: Sequence[Bend] = (), sharp: bool = False, shine: np.ndarray | None = None,
-                   specular: np.ndarray | None = None, turned: np.ndarray | None = None, rims: bool = False) -> Work:
+                   specular: np.ndarray | None = None, turned: np.ndarray | None = None, rims: bool = False,
+                   unshadowed: bool = False) -> Work:
         """The Work of light(). The scene must stay as it is until it has ended. shine (H, W, 6): as material() draws
         it; specular (H, W, 3): filled with the highlights that the lamps make on that; turned (H, W, 3): as
-        material() draws them, normals by which light falls, where they are not 0."""
-        job = abi.LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end, sharp=sharp, rims=rims)
+        material() draws them, normals by which light falls, where they are not 0; unshadowed: whether nothing is in
+        its way."""
+        job = abi.LightJob(scene=self._handle, clip_start=clip_start, clip_end=clip_end, sharp=sharp, rims=rims,
+                           unshadowed=unshadowed)
         job.view[:] = np.asarray(view, np.float64).ravel()
         job.projection[:] = np.asarray(projection, np.float64).ravel()
         job.frame = abi.frame(frame)

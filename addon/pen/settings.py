@@ -25,6 +25,7 @@ from .params import (
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _STROKE = 4.5  # pitches from a stroke's place to its end, at most
 _WIDEST = 40  # px that strokes lie apart at most whose distance grows with the thing
+_POOL = 22  # units of length that the darker border of a wash reaches into it
 _WINDOW = 24  # px about an edge at which its detector looks, whatever the settings are; no fewer pixels
 
 # Versions of the settings, which files store: {version: {id: the default before it}}. Ids are for ever. To change a
@@ -82,6 +83,10 @@ def pixels_wide(values: Mapping[str, Any]) -> float:
 def crowded(width: float, height: int) -> bool:
     """Whether lines so wide run together in a picture of this height."""
     return width > _MOST_OF_HEIGHT * height
+
+
+_COLOR_LINES = ("color_smooth", "contrast_metric", "contrast_hue", "contrast_saturation", "contrast_lightness")
+_COLOR_LEAST = ("contrast_threshold", "contrast_full", "contrast_local", "edge_threshold")
 
 
 class Settings:
@@ -155,9 +160,19 @@ class Settings:
                 *(() if self.wants_light or not self.active else ("DiffInd",))}
 
     @cached_property
+    def hidden(self) -> int:
+        """Behind how many things lines are drawn, at most."""
+        return self.every[0]["hidden_most"] if self.wants_edges and self.any("line_hidden_strength") else 0
+
+    @cached_property
     def fast(self) -> bool:
         """Whether the layers are drawn from the scene, without a renderer."""
         return self.every[0]["layer_source"] == "ENCRE"
+
+    @cached_property
+    def flat(self) -> tuple[int, ...]:
+        """By number of style, in how many flat colors at most images on surfaces are; 0: as they are."""
+        return tuple(values["flat_colors"] for values in self.every)
 
     @cached_property
     def draws_light(self) -> bool:
@@ -211,8 +226,10 @@ class Settings:
                 most = max(most, min(scene["line_thickest"], _widest(values)) / 2 + strays + weighed, kept + 3)
             if values["use_smudging"]:
                 most = max(most, 2 * values["smudge_range"] + values["smudge_pick"])
+            if values["use_gouache"]:
+                most = max(most, 2 * scene["gouache_size"])
             if values["use_wash"]:
-                most = max(most, 2 * values["wash_wobble"] + max(scene["wash_pool_width"], scene["wash_bleed_width"]))
+                most = max(most, _POOL + 4)
             if values["use_rim"]:
                 most = max(most, values["rim_width"] + 2)
             if values["use_tones"]:
@@ -253,6 +270,34 @@ class Settings:
         return self.any("use_lines", "use_smudging")
 
     @cached_property
+    def tells_colors(self) -> bool:
+        """Whether lines that images tell of may be drawn where colors part, if only where that is painted."""
+        return (self.every[0]["edge_detector"] == "FINE" and self.every[0]["color_layer"] == "ALBEDO"
+                and self.wants_edges)
+
+    @cached_property
+    def wants_color_lines(self) -> bool:
+        """Whether they are drawn wherever colors part."""
+        return self.tells_colors and self.any("line_color_strength")
+
+    @cached_property
+    def color_lines(self) -> tuple | None:
+        """What tells how images part into colors; None: nobody asks. Equal ones find the same lines, but for faint
+        ones, which color_least decides."""
+        return tuple(self.every[0][id_] for id_ in _COLOR_LINES) if self.wants_color_lines else None
+
+    @cached_property
+    def color_least(self) -> tuple:
+        """What tells which contrast is the least that is looked for."""
+        return (*(self.every[0][id_] for id_ in _COLOR_LEAST),
+                *(values["line_color_strength"] for values in self.every))
+
+    @cached_property
+    def layers_key(self) -> tuple:
+        """Equal ones draw the same from the same fast layers of a scene."""
+        return self.rastered, self.wants_seen, self.hidden, self.color_lines, self.color_least
+
+    @cached_property
     def wants_specular(self) -> bool:
         """Whether anything looks at highlights."""
         return self.any("use_hatching") or self.wants_parts
@@ -260,8 +305,7 @@ class Settings:
     @cached_property
     def wants_gloss(self) -> bool:
         """Whether metals and what is glazed are treated apart."""
-        return any((values["use_example"] and values["example_gloss"])
-                   or (values["use_shading"] and values["reflection_tones"])
+        return any((values["use_shading"] and (values["reflection_tones"] or values["highlight_shape"]))
                    or (values["use_tones"] and max(values["tone_black"], values["tone_dark"])) for values in self.every)
 
     @cached_property
@@ -277,7 +321,8 @@ class Settings:
     def sticks(self) -> bool:
         """Whether anything that is drawn sticks to surfaces."""
         fine = self.every[0]["edge_detector"] == "FINE"
-        return any(fills_surfaces(values) or values["use_example"]
+        return any(fills_surfaces(values) or values["use_example"] or values["use_wash"]
+                   or values["use_gouache"]
                    or (fine and sticking_pens(values)) for values in self.every)
 
     @cached_property
@@ -310,8 +355,7 @@ class Settings:
     @cached_property
     def rastered(self) -> tuple[str, ...]:
         """Names of the pictures of meshes that are drawn only where something wants them."""
-        wanted = {"normal": self.wants_edges, "creases": self.wants_edges, "anchor": self.wants_anchor,
-                  "tangent": self.wants_tangent, "card": self.wants_card}
+        wanted = {"anchor": self.wants_anchor, "tangent": self.wants_tangent, "card": self.wants_card}
         return tuple(name for name, there in wanted.items() if there)
 
     def turns(self, frame: int) -> frozenset[tuple[int, int]]:
@@ -328,7 +372,7 @@ class Settings:
     @cached_property
     def cleans_seen(self) -> bool:
         """Whether what mirrors and glass show is to be denoised, where it is rendered."""
-        return self.every[0]["mirror_denoise"] == "OIDN" and self.wants_seen
+        return self.every[0]["light_denoise"] == "OIDN" and self.wants_seen
 
     def idle(self, pictures: Mapping[str, np.ndarray]) -> dict[str, str]:
         """{weight: why} of the sources of edges that are asked for and find nothing in the layers of a picture."""

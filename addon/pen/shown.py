@@ -18,7 +18,7 @@ SOURCES = (("line_outline_strength", (0.8, 0.05, 0.03)), ("line_inner_strength",
            ("line_material_strength", (0.05, 0.45, 0.08)), ("line_color_strength", (0.65, 0.05, 0.6)),
            ("line_shadow_strength", (0.0, 0.45, 0.5)),
            ("line_mark_strength", (0.4, 0.2, 0.05)), ("line_mirror_strength", (0.3, 0.3, 0.3)),
-           ("line_suggestive_strength", (0.45, 0.65, 0.05)))
+           ("line_suggestive_strength", (0.45, 0.65, 0.05)), ("line_hidden_strength", (0.55, 0.5, 0.4)))
 _COLD, _NEUTRAL, _HOT = np.array([(0.02, 0.12, 0.8), (0.3, 0.3, 0.3), (0.85, 0.08, 0.02)], np.float32)
 _STYLES = np.array([(0.3, 0.3, 0.3), (0.8, 0.15, 0.1), (0.1, 0.35, 0.8), (0.1, 0.55, 0.15), (0.8, 0.6, 0.05),
                     (0.5, 0.15, 0.6), (0.05, 0.6, 0.6), (0.8, 0.35, 0.5)], np.float32)

@@ -17,7 +17,7 @@ from .job import Camera
 MOST_HALF = 65504.0
 # Numbers must stay what they are. And colours: where lines run between them hangs on their last digits.
 _FLOATS = ("DiffCol", "IndexOB", "IndexMA", "Encre Index", "Encre Anchor", "Encre Card")
-_BITS = {"Depth": 18, "Encre Seen Depth": 12, "Encre Marks": 14}  # that are kept of a float's 23
+_BITS = {"Depth": 18, "Encre Seen Depth": 12}  # that are kept of a float's 23
 _BRIGHT = 8.0  # from here on halves are off by more than half of 1/255
 _RIM = 0.01    # shorter by more than this, a normal is a mean of several surfaces'
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of n times the frame's size: put together from sub-frames and windows, averaged down. Pure numpy."""
+"""Pictures of n times the frame's size: put together from sub-frames and windows, averaged down."""
 
 import numpy as np
 
-from . import layers, saved
+from . import layers, samples, saved
 from .around import Window
 from .job import Frame
 
@@ -23,18 +23,13 @@ def shrink(name: str, picture: np.ndarray, factor: int) -> np.ndarray:
     factor 1 the picture itself."""
     if factor == 1:
         return picture
-    if name == "Encre Marks":
-        return _marks(picture, factor)
-    if name == "Encre Creases":
-        return _creases(picture, factor)
     if name in saved.ANCHOR:
         return _anchor(name, picture[factor // 2::factor, factor // 2::factor].copy(), factor)
     if name == "Encre Card":
         return picture[factor // 2::factor, factor // 2::factor] * np.array((1, 1, factor, factor), np.float32)
     if _one_sample(name):
         return picture[factor // 2::factor, factor // 2::factor].copy()  # or the large one would stay
-    parts = (picture[row::factor, column::factor] for row in range(factor) for column in range(factor))
-    return np.asarray(sum(parts) * np.float32(1 / factor ** 2))
+    return samples.average(picture, factor)
 
 
 def _one_sample(name):
@@ -49,43 +44,6 @@ def _anchor(name, picture, factor):
     elif name == "Encre Anchor Normal":
         picture[..., _ANCHOR_PIXEL] *= np.float32(factor)
     return picture
-
-
-_BETWEEN = -16  # from there down: what passes between two centres and covers none
-
-
-def _marks(picture, factor):
-    """Places of marks between the pixels that remain: on each way there are `factor` of the old ways, and as in the
-    rasteriser lines come before contours, which are negative and tell steps of 2 besides, these before what passes
-    between, and then the first."""
-    first = factor // 2
-    marks = np.zeros_like(picture[first::factor, first::factor])
-    marks[..., 2] = picture[first::factor, first::factor, 2]
-    for axis in (0, 1):
-        for k in reversed(range(factor)):
-            part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, axis]
-            steps = np.where(part < 0, 2 * np.floor(-part / 2), 0)
-            place = np.where(part, np.copysign((k + np.abs(part) - steps) / factor + steps, part), 0)
-            old = marks[:part.shape[0], :part.shape[1], axis]
-            contour = (part < 0) & (old <= 0) & ((part > _BETWEEN) | (old == 0) | (old <= _BETWEEN))
-            old[...] = np.where((part > 0) | contour, place, old)
-    return marks
-
-
-_SPREAD = 360  # more than that: a bend over several faces
-
-
-def _creases(picture, factor):
-    """Likewise of creases (height, width, 4): on each way that remains the one that bends most."""
-    first = factor // 2
-    creases = np.zeros_like(picture[first::factor, first::factor])
-    for axis in (0, 1):
-        for k in range(factor):
-            part = picture[first + k * axis::factor, first + k * (1 - axis)::factor, 2 * axis:2 * axis + 2]
-            old = creases[:part.shape[0], :part.shape[1], 2 * axis:2 * axis + 2]
-            more = np.abs(part[..., 1]) % _SPREAD > np.abs(old[..., 1]) % _SPREAD
-            old[more] = np.stack([(k + part[..., 0]) / factor, part[..., 1]], 2)[more]
-    return creases
 
 
 class Gathered:

@@ -37,8 +37,8 @@ def find(maps: dict[str, np.ndarray], solid: dict[str, np.ndarray], clear: np.nd
 
 
 def settled(index: np.ndarray, depth: np.ndarray, known: Through, front: np.ndarray,
-            owners: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(index, depth, flat numbers of the pixels that were decided).
+            owners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(index, depth).
 
     index, depth: (height, width) as rendered; front: the rasteriser's objects; owners: by these, the index of each.
     """
@@ -61,7 +61,7 @@ def settled(index: np.ndarray, depth: np.ndarray, known: Through, front: np.ndar
     index, depth = np.array(index, order="C"), np.array(depth, order="C")
     index.reshape(-1)[pixels] = np.where(known_here, owners[front.reshape(-1)[pixels]], behind[here])
     depth.reshape(-1)[pixels] = np.where(known_here, known.depth[here], known.behind_depth[here])
-    return index, depth, pixels
+    return index, depth
 
 
 def _alike(one, other):

@@ -42,6 +42,8 @@ static int32_t run_step(encre_context *context, const encre_step *step)
 	case ENCRE_MATERIAL: return encre_material(context, step->job);
 	case ENCRE_CHAINS: return encre_chains(context, step->job);
 	case ENCRE_CALL: return encre_call(context, step->job);
+	case ENCRE_EVEN: return encre_even(context, step->job);
+	case ENCRE_AVERAGE: return encre_average(context, step->job);
 	default: return encre_bake(context, step->job);
 	}
 }

@@ -139,7 +139,9 @@ static int32_t check_outputs(const encre_job *job, const encre_image *in, const 
 		if (code)
 			return code;
 	}
-	return any ? ENCRE_OK : refuse(error, size, "outputs: none is given; give at least one image to draw into");
+	return any || job->tell_strokes
+		       ? ENCRE_OK
+		       : refuse(error, size, "outputs: none is given; give at least one image to draw into");
 }
 
 /* Distances to edges are 16-bit numbers. */
@@ -208,6 +210,8 @@ int32_t check_job(const encre_job *job, encre_image in[ENCRE_LAYER_COUNT], encre
 	    (code = check_frame(&job->frame, width, height, error, size)) ||
 	    (code = check_camera(&job->camera, error, size)) || (code = check_points(job, error, size)))
 		return code;
+	if (job->tell_strokes && ((const encre_params *)job->params)->edge_detector != edge_detector_FINE)
+		return refuse(error, size, "edge_detector: only FINE has strokes; choose it, or ask for none");
 	return check_reach(job, width, height, error, size);
 }
 
@@ -247,27 +251,43 @@ int32_t check_chains(const encre_chain_job *job, char *error, size_t size)
 	if (!(job->least_bend >= 0 && job->least_bend <= 180))
 		return refuse(error, size, "chains: a least_bend of %g; give 0 to 180 degrees",
 			      (double)job->least_bend);
-	return check_frame(&job->frame, job->width, job->height, error, size);
+	if (job->most_before < 0 || job->most_before > 1000)
+		return refuse(error, size, "chains: most_before is %d; give 0 to 1000", (int)job->most_before);
+	if (job->n_images < 0 || job->n_image < 0 || (job->n_images && !job->images) || (job->n_image && !job->image))
+		return refuse(error, size, "chains: %d images for %d materials; give as many as there are, or 0",
+			      (int)job->n_images, (int)job->n_image);
+	for (int32_t i = 0; i < job->n_images; i++) {
+		const encre_colored *image = job->images + i;
+		if (!image->colors || image->width < 1 || image->height < 1 || image->width > ENCRE_MAX_COLORED ||
+		    image->height > ENCRE_MAX_COLORED || image->wrap < 0 || image->wrap > ENCRE_MIRROR)
+			return refuse(error, size, "chains: image %d has %d x %d texels; give 1 to %d each way", (int)i,
+				      (int)image->width, (int)image->height, ENCRE_MAX_COLORED);
+	}
+	for (int32_t i = 0; i < job->n_image; i++)
+		if (job->image[i] < -1 || job->image[i] >= job->n_images)
+			return refuse(error, size,
+				      "chains: material %d has image %d of %d; give one that is there, or -1", (int)i,
+				      (int)job->image[i], (int)job->n_images);
+	int32_t code = job->params ? check_params(job->params, job->n_styles, error, size) : ENCRE_OK;
+	return code ? code : check_frame(&job->frame, job->width, job->height, error, size);
 }
 
 int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char *error, size_t size)
 {
 	const encre_layer_description what[] = {
-		{"depth", "", 1, 0},    {"normal", "", 3, 0},  {"object", "", 1, 0},
-		{"material", "", 1, 0}, {"style", "", 1, 0},   {"attributes", "", job->n_channels, 0},
-		{"marks", "", 2, 0},    {"creases", "", 4, 0}, {"coincident", "", 1, 0},
-		{"shading", "", 3, 0},  {"anchor", "", 16, 0}, {"tangent", "", 3, 0},
-		{"card", "", 4, 0},
+		{"depth", "", 1, 0},      {"normal", "", 3, 0},  {"object", "", 1, 0},
+		{"material", "", 1, 0},   {"style", "", 1, 0},   {"attributes", "", job->n_channels, 0},
+		{"coincident", "", 1, 0}, {"shading", "", 3, 0}, {"anchor", "", 16, 0},
+		{"tangent", "", 3, 0},    {"card", "", 4, 0},
 	};
-	const encre_image *images[] = {&job->depth,      &job->normal,  &job->object,  &job->material,   &job->style,
-				       &job->attributes, &job->marks,   &job->creases, &job->coincident, &job->shading,
-				       &job->anchor,     &job->tangent, &job->card};
+	const encre_image *images[] = {&job->depth,  &job->normal,     &job->object,     &job->material,
+				       &job->style,  &job->attributes, &job->coincident, &job->shading,
+				       &job->anchor, &job->tangent,    &job->card};
 	const encre_image *first = NULL;
 	*clean = *job;
-	encre_image *clean_images[] = {&clean->depth,      &clean->normal,     &clean->object, &clean->material,
-				       &clean->style,      &clean->attributes, &clean->marks,  &clean->creases,
-				       &clean->coincident, &clean->shading,    &clean->anchor, &clean->tangent,
-				       &clean->card};
+	encre_image *clean_images[] = {&clean->depth,  &clean->normal,     &clean->object,     &clean->material,
+				       &clean->style,  &clean->attributes, &clean->coincident, &clean->shading,
+				       &clean->anchor, &clean->tangent,    &clean->card};
 	if (job->n_channels < 0 || job->n_channels > ENCRE_MAX_CHANNELS)
 		return refuse(error, size, "attributes: %d channels; give 0 to %d", (int)job->n_channels,
 			      ENCRE_MAX_CHANNELS);
@@ -332,6 +352,8 @@ encre_progress *step_progress(const encre_step *step, void ***user)
 	encre_bake_job *bake = step->job;
 	encre_call_job *call = step->job;
 	encre_chain_job *chains = step->job;
+	encre_even_job *even = step->job;
+	encre_average_job *average = step->job;
 	switch (step->kind) {
 	case ENCRE_RENDER: *user = &render->user; return &render->progress;
 	case ENCRE_RASTER: *user = &raster->user; return &raster->progress;
@@ -339,6 +361,8 @@ encre_progress *step_progress(const encre_step *step, void ***user)
 	case ENCRE_MATERIAL: *user = &material->user; return &material->progress;
 	case ENCRE_CALL: *user = &call->user; return &call->progress;
 	case ENCRE_CHAINS: *user = &chains->user; return &chains->progress;
+	case ENCRE_EVEN: *user = &even->user; return &even->progress;
+	case ENCRE_AVERAGE: *user = &average->user; return &average->progress;
 	default: *user = &bake->user; return &bake->progress;
 	}
 }
@@ -350,7 +374,7 @@ int32_t check_steps(const encre_step *steps, int32_t n_steps, char *error, size_
 			      ENCRE_MAX_STEPS);
 	for (int i = 0; i < n_steps; i++) {
 		void **user;
-		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_CHAINS)
+		if (steps[i].kind < ENCRE_RENDER || steps[i].kind > ENCRE_AVERAGE)
 			return refuse(error, size, "step %d: kind %d is not known; give one of enum encre_kind", i,
 				      (int)steps[i].kind);
 		if (!steps[i].job)

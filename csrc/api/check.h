@@ -16,6 +16,9 @@ int32_t check_raster(const encre_raster_job *job, encre_raster_job *clean, char 
 /* Size and frame, likewise. */
 int32_t check_chains(const encre_chain_job *job, char *error, size_t size);
 /* Likewise, and the parameters. */
+/* check_samples.c */
+int32_t check_even(const encre_even_job *job, encre_even_job *clean, char *error, size_t size);
+int32_t check_average(const encre_average_job *job, encre_average_job *clean, char *error, size_t size);
 int32_t check_bake(const encre_bake_job *job, encre_bake_job *clean, char *error, size_t size);
 /* Steps and that their jobs leave progress alone: what else a job says is checked at its turn. */
 int32_t check_steps(const encre_step *steps, int32_t n_steps, char *error, size_t size);

@@ -83,14 +83,29 @@ static int32_t check_program(const encre_materials *m, int number, int channels,
 	return ENCRE_OK;
 }
 
-static int32_t check_picture(const encre_picture *t, int number, char *error, size_t size)
+static bool rises(const float *curve)
+{
+	for (int k = 0; k < 256; k++)
+		if (!isfinite(curve[k]) || (k && curve[k] < curve[k - 1]))
+			return false;
+	return true;
+}
+
+int32_t check_picture(const encre_picture *t, int number, char *error, size_t size)
 {
 	int levels = 1;
 	for (int32_t wide = t->width > t->height ? t->width : t->height; wide > 1; wide /= 2)
 		levels++;
-	if (!t->texels || (uintptr_t)t->texels % NUMBER || t->width < 1 || t->height < 1 ||
-	    t->width > ENCRE_MAX_TEXELS || t->height > ENCRE_MAX_TEXELS || t->levels < 1 || t->levels > levels ||
-	    t->wrap < ENCRE_REPEAT || t->wrap > ENCRE_CLIP)
+	bool floats = t->texels && (uintptr_t)t->texels % NUMBER == 0 && !t->bytes;
+	bool bytes = t->bytes && t->curve && (uintptr_t)t->curve % NUMBER == 0 && !t->texels;
+	if (!floats && (!bytes || !rises(t->curve)))
+		return refuse(
+			error, size,
+			"texture %d: has neither texels alone nor bytes alone with a curve that is finite and never "
+			"falls; give one of both",
+			number);
+	if (t->width < 1 || t->height < 1 || t->width > ENCRE_MAX_TEXELS || t->height > ENCRE_MAX_TEXELS ||
+	    t->levels < 1 || t->levels > levels || t->wrap < ENCRE_REPEAT || t->wrap > ENCRE_CLIP)
 		return refuse(error, size,
 			      "texture %d: is %d x %d texels in %d levels; give 1 to %d each way, their levels, and "
 			      "how it goes on",

@@ -5,7 +5,6 @@
 
 #include "api/same.h"
 #include "base/stage.h"
-#include "raster/kept.h"
 
 typedef struct background background;
 
@@ -22,9 +21,10 @@ struct encre_context {
 	arena_held memory;          /* of the last picture, for the next */
 	kept_edges edges;           /* likewise */
 	arena_held light;           /* likewise, of the last light */
-	raster_kept *raster;        /* likewise, of meshes */
 	struct kept_shapes *chains; /* likewise, of meshes and their lines */
 	void *sheet;                /* paper, likewise */
+	void *spots;                /* places of spots, likewise */
+	drawn_strokes strokes;      /* of the last picture for which they were asked */
 	char error[512];
 };
 

@@ -8,10 +8,14 @@
 #include "base/cpu.h"
 #include "base/refuse.h"
 #include "chains/chains.h"
+#include "flat/flat.h"
 #include "light/handle.h"
 #include "material/material.h"
 #include "raster/raster.h"
+#include "samples/average.h"
+#include "samples/even.h"
 #include "texture/bake.h"
+#include "tones/blue.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -41,9 +45,10 @@ void encre_destroy(encre_context *context)
 	edges_drop(&context->edges);
 	free(context->edges.memory.memory);
 	free(context->light.memory);
-	kept_free(&context->raster, true);
 	chains_free(&context->chains);
 	free(context->sheet);
+	blue_drop(&context->spots);
+	free(context->strokes.point);
 	free(context);
 }
 
@@ -135,7 +140,7 @@ int32_t encre_raster(encre_context *context, encre_raster_job *job)
 	bands *pool = pool_of(context, job->progress, job->user);
 	if (!pool)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
-	code = raster_run(pool, &clean, &context->raster, context->error, sizeof context->error);
+	code = raster_run(pool, &clean, context->error, sizeof context->error);
 	return context->error[0] ? code : fail_code(context, code);
 }
 
@@ -170,6 +175,35 @@ int32_t encre_bake(encre_context *context, encre_bake_job *job)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	code = use_best(context) ? BEST(bake_run)(pool, &clean, job) : bake_run_base(pool, &clean, job);
 	return fail_code(context, code);
+}
+
+/* ---- samples --------------------------------------------------------------------------------------------- */
+
+int32_t encre_even(encre_context *context, encre_even_job *job)
+{
+	encre_even_job clean;
+	int32_t code = enter_job(context, job);
+	if (!code)
+		code = check_even(job, &clean, context->error, sizeof context->error);
+	if (code)
+		return code;
+	bands *pool = pool_of(context, job->progress, job->user);
+	if (!pool)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	code = use_best(context) ? BEST(even_run)(pool, &clean) : even_run_base(pool, &clean);
+	return fail_code(context, code);
+}
+
+int32_t encre_average(encre_context *context, encre_average_job *job)
+{
+	encre_average_job clean;
+	int32_t code = enter_job(context, job);
+	if (!code)
+		code = check_average(job, &clean, context->error, sizeof context->error);
+	if (code)
+		return code;
+	bands *pool = pool_of(context, job->progress, job->user);
+	return fail_code(context, pool ? average_run(pool, &clean) : ENCRE_ERROR_MEMORY);
 }
 
 /* ---- light ----------------------------------------------------------------------------------------------- */
@@ -278,6 +312,37 @@ int32_t encre_light(encre_context *context, encre_light_job *job)
 const encre_operation_description *encre_operation_info(int32_t code)
 {
 	return operation_info(code);
+}
+
+int32_t encre_picture_levels(encre_context *context, const encre_picture *picture, uint8_t *bytes)
+{
+	int32_t code = enter(context);
+	if (!code)
+		code = check_picture(picture, 0, context->error, sizeof context->error);
+	if (!code && (!bytes || bytes != picture->bytes))
+		code = refuse(context->error, sizeof context->error, "texture 0: has other bytes; give its own");
+	if (!code)
+		picture_levels(picture, bytes);
+	return code;
+}
+
+int32_t encre_flatten(encre_context *context, const encre_picture *picture, int32_t most, void *texels)
+{
+	int32_t code = enter(context);
+	if (!code)
+		code = check_picture(picture, 0, context->error, sizeof context->error);
+	if (!code && (!texels || (texels != picture->bytes && texels != picture->texels)))
+		code = refuse(context->error, sizeof context->error, "texture 0: has other texels; give its own");
+	if (!code && (most < 1 || most > ENCRE_MAX_FLAT))
+		code = refuse(context->error, sizeof context->error, "flat colors: %d; give 1 to %d", (int)most,
+			      ENCRE_MAX_FLAT);
+	if (code)
+		return code;
+	bands *pool = pool_of(context, NULL, NULL);
+	if (!pool)
+		return fail_code(context, ENCRE_ERROR_MEMORY);
+	code = flat_run(pool, picture, most, picture->bytes ? texels : NULL, picture->bytes ? NULL : texels);
+	return fail_code(context, code);
 }
 
 int32_t encre_material(encre_context *context, encre_material_job *job)

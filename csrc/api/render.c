@@ -137,7 +137,7 @@ static void plan(work *w, arena *a, arena *edges)
 	f->edge = f->near = NULL;
 	f->strength = NULL;
 	f->nearest = NULL;
-	f->nearest_planned = false;
+	f->nearest_planned = f->search_planned = f->search_done = false;
 	for (int s = 0; s < N_STAGES; s++)
 		if (stages[s]->plan)
 			stages[s]->plan(f, s ? a : edges);
@@ -324,11 +324,13 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	f->place = job->frame;
 	f->params = job->params;
 	f->kept_sheet = &context->sheet;
+	f->kept_spots = &context->spots;
 	f->n_styles = job->n_styles;
 	f->chains = job->chains;
 	f->n_chains = job->n_chains;
 	f->chained = job->chained;
 	f->n_chained = job->n_chained;
+	f->strokes = job->tell_strokes ? &context->strokes : NULL;
 	f->scale = scale_of(f->params, f->place.height);
 	f->metered = metering_by(f->params, &job->camera);
 	bool any = w.out[ENCRE_OUTPUT_EDGES].data || w.out[ENCRE_OUTPUT_LIGHT].data;
@@ -344,6 +346,10 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	if (!f->bands)
 		return fail_code(context, ENCRE_ERROR_MEMORY);
 	job->nonfinite = 0;
+	job->strokes = NULL;
+	job->n_strokes = 0;
+	if (f->strokes)
+		f->strokes->count = 0;
 	w.clean = use_best(context) ? &BEST(cleaner) : &cleaner_base;
 	if (!any)
 		return fail_code(context, copy(&w));
@@ -368,5 +374,9 @@ int32_t encre_render(encre_context *context, encre_job *job)
 	if (code || !kept->key)
 		edges_drop(kept);
 	late_free(f->late);
+	if (!code && f->strokes) {
+		job->strokes = f->strokes->point;
+		job->n_strokes = (int64_t)f->strokes->count;
+	}
 	return fail_code(context, code);
 }

@@ -34,6 +34,7 @@
 #include "edges/edges.rows.h"
 #include "surface/shade.rows.h"
 #include "surface/example.rows.h"
+#include "paint/gouache.rows.h"
 #include "surface/smudge.rows.h"
 #include "surface/paper.rows.h"
 #include "surface/wash.rows.h"
@@ -41,6 +42,8 @@
 #include "tones/tones.rows.h"
 #include "surface/rim.rows.h"
 #include "surface/specks.rows.h"
+#include "surface/print.rows.h"
+#include "surface/relief.rows.h"
 #include "ink/lines.rows.h"
 #include "ink/pen.rows.h"
 

@@ -19,15 +19,9 @@ static const encre_layer_description layers[ENCRE_LAYER_COUNT] = {
 	[ENCRE_LAYER_CONTROLS] = {"controls",
 #include "base/controls.rows.h"
 				  "each -1..1", CONTROL_COUNT, 0},
-	[ENCRE_LAYER_MARKS] = {"marks",
-			       "where lines drawn by hand pass to the right, to the lower neighbour, 0..1; 0 = "
-			       "nowhere; negative: contours",
-			       2, 0},
 	[ENCRE_LAYER_SEEN_COLOR] = {"seen_color", "unlit colour of what mirrors and clear glass show", 3, 0},
 	[ENCRE_LAYER_SEEN_NORMAL] = {"seen_normal", "its normal, in the space of the camera", 3, 0},
 	[ENCRE_LAYER_SEEN_DEPTH] = {"seen_depth", "its distance, as depth", 1, 0},
-	[ENCRE_LAYER_CREASES] = {"creases", "where edges of meshes pass to the right and down, and how much they bend",
-				 5, 0},
 	[ENCRE_LAYER_HIGHLIGHTS] = {"highlights", "what of specular comes straight from lamps", 3, 0},
 	[ENCRE_LAYER_BACKGROUND] = {"background", "what of combined is light of the world behind everything", 3, 0},
 	[ENCRE_LAYER_ANCHOR] =

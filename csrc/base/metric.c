@@ -61,15 +61,45 @@ static void to_srgb(int n, float *restrict c)
 	encode(n, c);
 }
 
+/* Of sRGB: half the sum of the largest and the least channel, and the place in the plane across the way of greys. */
+static void to_hsl(int n, float *restrict r, float *restrict g, float *restrict b)
+{
+	for (int i = 0; i < n; i++) {
+		float most = max3(r[i], g[i], b[i]), least = -max3(-r[i], -g[i], -b[i]);
+		float y = r[i] - 0.5f * (g[i] + b[i]), z = 0.866025404f * (g[i] - b[i]);
+		r[i] = 0.5f * (most + least);
+		g[i] = y;
+		b[i] = z;
+	}
+}
+
+/* And back: of all colours with these ways across, the one that is so light. */
+static void from_hsl(float *v)
+{
+	float apart = v[2] / 0.866025404f, half = 0.5f * fabsf(apart);
+	float mean = v[0] - 0.5f * (max(v[1], half) + min(v[1], -half));
+	float r = mean + v[1], g = mean + 0.5f * apart, b = mean - 0.5f * apart;
+	v[0] = r;
+	v[1] = g;
+	v[2] = b;
+}
+
+static bool is_lab(int metric)
+{
+	return metric != contrast_metric_RGB && metric != contrast_metric_HSL;
+}
+
 void ISA(metric_space)(int metric, int n, float *restrict r, float *restrict g, float *restrict b)
 {
-	if (metric != contrast_metric_RGB) {
+	if (is_lab(metric)) {
 		to_lab(n, r, g, b);
 		return;
 	}
 	to_srgb(n, r);
 	to_srgb(n, g);
 	to_srgb(n, b);
+	if (metric == contrast_metric_HSL)
+		to_hsl(n, r, g, b);
 }
 
 /* ---- differences of two colours -------------------------------------------------------------------------- */
@@ -87,6 +117,16 @@ static inline float rgb(color p, color q)
 {
 	float red = 0.5f * (p.x + q.x);
 	return sqrtf((2 + red) * square(p.x - q.x) + 4 * square(p.y - q.y) + (3 - red) * square(p.z - q.z)) / 3;
+}
+
+/* Herring's future work (2016, 5.3), after Constable (2011). Hue differs by at most twice the chroma. */
+static inline float hsl(const color_metric *m, color p, color q)
+{
+	float light = m->lightness * (p.x - q.x), one = sqrtf(square(p.y) + square(p.z)),
+	      two = sqrtf(square(q.y) + square(q.z)), chroma = one - two;
+	float turn = square(p.y - q.y) + square(p.z - q.z) - square(chroma);
+	turn = turn > 0 ? turn : 0;
+	return sqrtf(square(light) + square(m->saturation * chroma) + square(0.5f * m->hue) * turn);
 }
 
 static inline float cie76(color p, color q)
@@ -134,6 +174,22 @@ static inline float ciede2000(color p, color q)
 	return 0.01f * sqrtf(sum2 > 0 ? sum2 : 0);
 }
 
+float ISA(metric_ciede2000)(int metric, const float *one, const float *two)
+{
+	float value[2][3];
+	memcpy(value[0], one, sizeof value[0]);
+	memcpy(value[1], two, sizeof value[1]);
+	for (int k = 0; !is_lab(metric) && k < 2; k++) {
+		if (metric == contrast_metric_HSL)
+			from_hsl(value[k]);
+		for (int c = 0; c < 3; c++)
+			value[k][c] = srgb_decode(clamp01(value[k][c]));
+		to_lab(1, value[k], value[k] + 1, value[k] + 2);
+	}
+	return ciede2000((color){value[0][0], value[0][1], value[0][2]},
+			 (color){value[1][0], value[1][1], value[1][2]});
+}
+
 /* Weighs by the first colour; l:c = 2:1. The cosines of its hue come from a* and b* themselves, and so does the test
  * for 164..345 degrees: the other half of the circle lies within 89.5 degrees of 74.5. */
 static inline float cmc_of(color p, float c1, float dl, float dc, float dh2)
@@ -176,10 +232,20 @@ KERNEL void greatest_of(float (*difference)(color, color), int n, const float *c
 	}
 }
 
-void ISA(metric_difference)(int metric, int n, const float *const a[3], const float *const b[3],
+static void greatest_hsl(const color_metric *m, int n, const float *const a[3], const float *const b[3],
+			 float *restrict greatest)
+{
+	for (int i = 0; i < n; i++) {
+		float d = hsl(m, (color){a[0][i], a[1][i], a[2][i]}, (color){b[0][i], b[1][i], b[2][i]});
+		greatest[i] = d > greatest[i] ? d : greatest[i];
+	}
+}
+
+void ISA(metric_difference)(const color_metric *metric, int n, const float *const a[3], const float *const b[3],
 			    float *restrict greatest)
 {
-	switch (metric) {
+	switch (metric->kind) {
+	case contrast_metric_HSL: greatest_hsl(metric, n, a, b, greatest); break;
 	case contrast_metric_CIE76: greatest_of(cie76, n, a, b, greatest); break;
 	case contrast_metric_CIEDE2000: greatest_of(ciede2000, n, a, b, greatest); break;
 	case contrast_metric_CMC: greatest_of(cmc, n, a, b, greatest); break;

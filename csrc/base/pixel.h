@@ -116,48 +116,6 @@ static inline float luminance(float r, float g, float b)
 
 /* Depths from `depth_end` on mean that nothing is there; what is written for it, as Cycles does, is `depth_nothing`. */
 static const float depth_end = 1e9f, depth_nothing = 1e10f;
-/* In the layer `creases` a bend over several faces has so many degrees more. */
-static const float crease_spread = 360;
-
-/* In the layer `marks` a contour is negative: its place, and 2 for each step that the surface which ends there lies
- * before what is behind it. The first step is so many 1080ths of the frame's height, as large as it is there; each
- * further one is twice as far. */
-enum { MOST_CONTOUR_STEPS = 7 };
-static const float least_contour_step = 0.25f;
-
-/* From `between_first` down: a thing passes between both centres and covers none. First the place of one of its
- * contours is known, and from `between_both` down the middle of two. */
-static const float between_first = -16, between_both = -18;
-
-/* What the layer tells of a contour or of a line by hand; 0: nothing. */
-static inline float contour_mark(float mark)
-{
-	return mark > between_first ? mark : 0;
-}
-
-/* The middle of what passes between; below 0: nothing does. */
-static inline float between_place(float mark)
-{
-	return mark <= between_both && mark >= between_both - 1 ? between_both - mark : -1;
-}
-
-static inline float contour_value(float place, int steps)
-{
-	return -(place + 2 * (float)steps);
-}
-
-static inline int contour_steps(float mark)
-{
-	float steps = mark < 0 ? floorf(-0.5f * contour_mark(mark)) : 0;
-	return steps < MOST_CONTOUR_STEPS ? (int)steps : MOST_CONTOUR_STEPS;
-}
-
-static inline float contour_place(float mark)
-{
-	float place = -contour_mark(mark) - 2 * (float)contour_steps(mark);
-	return place > 0 ? place < 1 ? place : 1 : 0;
-}
-
 /* What a depth layer's value means: INFINITY where nothing is there (0, negative and NaN come from other renderers). */
 static inline float depth_of(float z)
 {

@@ -31,7 +31,10 @@
  * alone, as clang does, would make one for all of them that is not vectorised. */
 #define KERNEL static inline __attribute__((always_inline))
 
-#define STAGES(X) X(edges) X(shade) X(example) X(smudge) X(paper) X(wash) X(hatch) X(tones) X(rim) X(specks) X(lines)
+#define STAGES(X)                                                                                                      \
+	X(edges)                                                                                                       \
+	X(shade)                                                                                                       \
+	X(example) X(gouache) X(smudge) X(paper) X(wash) X(hatch) X(tones) X(rim) X(specks) X(print) X(relief) X(lines)
 
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
 
@@ -50,6 +53,7 @@ enum source {
 	SOURCE_MARK,
 	SOURCE_SEEN, /* this and what follows: FINE's only */
 	SOURCE_SUGGESTIVE,
+	SOURCE_HIDDEN,
 	SOURCE_COUNT
 };
 
@@ -87,6 +91,12 @@ typedef struct metering {
 	float knee, below, beyond;
 } metering;
 
+/* What was drawn as strokes, for whoever asked: made by malloc(). */
+typedef struct drawn_strokes {
+	encre_stroke_point *point;
+	size_t count, room;
+} drawn_strokes;
+
 typedef struct frame {
 	int width, height;
 	plane layer[ENCRE_LAYER_COUNT]; /* finite values, controls within -1..1, ALBEDO never absent; depth as given */
@@ -99,6 +109,7 @@ typedef struct frame {
 	int64_t n_chains;
 	const uint8_t *chained;
 	int64_t n_chained;
+	drawn_strokes *strokes; /* of lines, to be told; NULL: nobody asks */
 	int n_styles;
 	const encre_params *params; /* [n_styles]; [0] is the scene's */
 	const uint8_t *style;       /* width * height, < n_styles; NULL when n_styles is 1 */
@@ -125,15 +136,20 @@ typedef struct frame {
 	int16_t *
 		nearest; /* width * height x 2: dx, dy to the Euclidean-nearest edge pixel; NEAREST_NONE in dx = none */
 	void *nearest_scratch; /* NULL once nearest is filled */
+	/* search.c, likewise: the edge of every pixel by another search; done: it is filled */
+	void *search;
+	bool search_planned, search_done;
 	/* paper: heights h(p) after roughness, clamped to 0..1; call ISA(paper_row) */
 	void *paper;
 	void **kept_sheet; /* the context's: the built-in sheet of its frames before, or NULL; made by malloc() */
+	void **kept_spots; /* likewise: the places of spots that are known (tones/blue.h) */
 	void *example;     /* the painted balls of each style */
 	/* edges, lines: scratch */
 	void *edges, *lines;
 	float *bright; /* shade: what hatching asks of rows, by thread those that are drawn together (bright_row());
 			  NULL: it finds out itself */
-	void *wash;    /* wash: colours blurred along rows */
+	void *gouache; /* gouache: room and strokes */
+	void *wash;    /* wash: masks of washes and noise that sticks */
 	void *rim;     /* rim: sites along silhouettes */
 	void *specks;  /* specks: what is no black */
 	void *tones;   /* tones: those of each style, and ink of strokes */
@@ -332,10 +348,10 @@ typedef struct stage {
 	bands_kernel first_rows;
 	/* Called in order. */
 	int32_t (*run)(frame *f);
-	/* Draws rows of the picture, given the frame, and reads the same rows of layers and picture alone. So it runs
-	 * where these are in the cache: with the look at the layers that says whether they are clean, if no stage with
-	 * run() draws before, and then once more where they were not; else after run(). What draws nothing may read
-	 * rows of layers beside them, too. */
+	/* Draws rows of the picture, given the frame, and reads of the picture the same rows alone, of layers those and
+	 * the ones beside them. So it runs where these are in the cache: with the look at the layers that says whether
+	 * they are clean, if no stage with run() draws before, and then once more where they were not; else after
+	 * run(). */
 	bands_kernel rows;
 	/* Whether run() changes the picture, or makes what rows() needs. NULL: it does. */
 	bool (*draws)(const frame *f);
@@ -345,9 +361,9 @@ typedef struct stage {
 STAGES(DECLARE)
 #undef DECLARE
 
-/* shade.c: I of discrete shading for pixels x0..x1-1 of row y, each by its own style, whether or not shading is on. */
+/* lit.c: I of discrete shading for pixels x0..x1-1 of row y, each by its own style, whether or not shading is on. */
 void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone);
-/* shade.c: light as levels are compared with it, of row y. */
+/* lit.c: light as levels are compared with it, of row y. */
 void ISA(shade_exposed)(const frame *f, int y, float *light);
 /* hatch.c: brightness that keeps the pencil away from n <= 256 pixels, at most 1. Planes of the layers, `apart` floats
  * from one to the next, light as levels are compared with it, and I of discrete shading. */
@@ -368,8 +384,8 @@ int32_t ISA(specks_fill)(frame *f, bool drawn, plane ink);
  * reported as none. */
 void ISA(nearest_plan)(frame *f, arena *a);
 int32_t ISA(nearest_run)(frame *f);
-/* The way from a pixel to its nearest edge, with detector FINE the nearest site; false if none is within reach. After
- * nearest_run(). */
+/* The way from a pixel to its nearest edge, with detector FINE the nearest site, and where line_search walks or
+ * dilates the edge that it finds; false if none is within reach. After nearest_run(). */
 bool ISA(nearest_edge)(const frame *f, int x, int y, float reach, float way[2]);
 
 #endif

@@ -3,6 +3,7 @@
  * way round they are seen, in homogeneous coordinates, also where a corner lies behind the eye. */
 #include "chains/chains.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { CHUNK = 4096 /* edges that a thread takes at once */ };
@@ -64,8 +65,7 @@ static void aim_bodies(void *data, int from, int end, int thread)
 	}
 }
 
-/* Which shares of a line lie between the clip planes and in the frame with its margin; false: nothing does. */
-static bool clip(const chains *c, line *l)
+bool line_clip(const chains *c, line *l)
 {
 	const corner *a = l->c, *b = l->c + 1;
 	const encre_chain_job *job = c->job;
@@ -123,13 +123,12 @@ static bool is_contour(const body *b, const mesh_edge *e)
 	return !(right && left);
 }
 
-static int kind_of(const chains *c, const body *b, int32_t number, float *bend, float *fade)
+static int kind_of(const chains *c, const body *b, int32_t number, line *l)
 {
 	const mesh_edge *e = b->shape->edges + number;
 	int kind = 0, smooth = e->flags & EDGE_SMOOTH ? ENCRE_CHAIN_SMOOTH : 0;
 	bool never = e->flags & EDGE_NEVER;
-	*bend = never || e->flags & EDGE_BORDER ? 0 : e->bend + b->mesh->crease_offset;
-	*fade = 1;
+	l->bend = never || e->flags & EDGE_BORDER ? 0 : e->bend + b->mesh->crease_offset;
 	if (e->flags & EDGE_BORDER)
 		kind = ENCRE_CHAIN_BORDER;
 	else if (is_contour(b, e))
@@ -138,16 +137,12 @@ static int kind_of(const chains *c, const body *b, int32_t number, float *bend, 
 		kind |= ENCRE_CHAIN_NUMBER;
 	if (e->flags & EDGE_MATERIAL)
 		kind |= ENCRE_CHAIN_MATERIAL;
-	if (*bend >= c->job->least_bend)
+	if (l->bend >= c->job->least_bend)
 		kind |= ENCRE_CHAIN_CREASE;
-	if ((!kind || kind == ENCRE_CHAIN_CREASE) && !never && !(e->flags & EDGE_MANY) && e->bend >= 5) {
-		float over = bevel_bend(c, b, number, fade);
-		if (over >= c->job->least_bend && *fade > 0 && over > *bend) {
-			*bend = over;
-			kind = ENCRE_CHAIN_BEVEL;
-		} else {
-			*fade = 1;
-		}
+	if (e->strip >= 0 && !(kind & ~ENCRE_CHAIN_CREASE)) {
+		l->over = b->shape->strips[e->strip].bend + b->mesh->crease_offset;
+		l->fade = l->over >= c->job->least_bend ? strip_fade(c, b, e) : 0;
+		kind |= l->fade > 0 ? ENCRE_CHAIN_BEVEL : 0;
 	}
 	int round = e->flags & EDGE_ROUND ? ENCRE_CHAIN_ROUND : 0;
 	return kind ? kind | smooth | round : 0;
@@ -168,6 +163,7 @@ static void load_edge(const body *b, int i, int32_t number, line *l)
 	l->link[0] = l->link[1] = -1;
 	l->n_own = 0;
 	l->side = 0;
+	l->color[0] = l->color[1] = 0;
 	l->object = m->object_index;
 	if (is_line(m))
 		return;
@@ -184,13 +180,13 @@ static void load_edge(const body *b, int i, int32_t number, line *l)
 static bool edge_line(const chains *c, int i, int32_t number, line *l)
 {
 	const body *b = c->bodies + i;
-	l->fade = 1;
+	l->fade = l->over = 0;
 	l->bend = 180;
-	l->kind = is_line(b->mesh) ? ENCRE_CHAIN_MARK : kind_of(c, b, number, &l->bend, &l->fade);
+	l->kind = is_line(b->mesh) ? ENCRE_CHAIN_MARK : kind_of(c, b, number, l);
 	if (!l->kind)
 		return false;
 	load_edge(b, i, number, l);
-	return clip(c, l);
+	return line_clip(c, l);
 }
 
 /* Lines of a chunk of edges: counted, or with `out` written down. */
@@ -263,7 +259,6 @@ static bool meet_line(const chains *c, int64_t number, line *l)
 		    .n_own = 2,
 		    .kind = ENCRE_CHAIN_MEET,
 		    .bend = bend > 90 ? 180 - bend : bend, /* surfaces have no inside: the angle that they leave */
-		    .fade = 1,
 		    .link = {-1, -1}};
 	l->object = object_of(a->mesh, m->face[0]);
 	if (l->object != object_of(b->mesh, m->face[1]))
@@ -279,7 +274,7 @@ static bool meet_line(const chains *c, int64_t number, line *l)
 				   0.5 * c->job->frame.height * (x[3] - x[1]), x[3], -at[2]};
 		l->node[k] = m->node[k];
 	}
-	return clip(c, l);
+	return line_clip(c, l);
 }
 
 /* ---- all ------------------------------------------------------------------------------------------------------- */
@@ -322,10 +317,16 @@ int32_t lines_find(chains *c)
 	int64_t meets = 0;
 	for (int64_t i = 0; i < c->kept->n_meets; i++)
 		meets += meet_line(c, i, &l);
-	c->n_lines = sum + meets;
+	prints printed;
+	if ((code = colors_print(c, &printed)))
+		return code;
+	c->n_lines = sum + meets + printed.n;
 	c->lines = late_take(&c->late, (size_t)c->n_lines + 1, sizeof *c->lines);
-	if (!c->lines)
+	if (!c->lines) {
+		prints_free(&printed);
 		return ENCRE_ERROR_MEMORY;
+	}
+	prints_move(&printed, c->lines + sum + meets);
 	for (int64_t i = 0, n = sum; i < c->kept->n_meets; i++)
 		n += meet_line(c, i, c->lines + n);
 	code = bands_run(c->pool, s.n_chunks, 1, write_lines, &s);

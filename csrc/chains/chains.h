@@ -33,7 +33,15 @@ typedef struct mesh_edge {
 	uint32_t corner; /* the first that it begins at, as topology has it */
 	float bend;      /* degrees, without crease_offset */
 	uint32_t flags;  /* enum edge_flag */
+	int32_t strip;   /* of a bend over several faces it is the middle; -1: of none */
 } mesh_edge;
+
+/* A bend over several faces. */
+typedef struct strip {
+	int32_t edge;    /* in its middle */
+	float bend;      /* degrees, without crease_offset */
+	float end[2][3]; /* of the way across it from there, object space */
+} strip;
 
 /* What a mesh is made of: edges of triangles, or lines by hand, which have no faces and no tree. */
 typedef struct shape {
@@ -41,9 +49,13 @@ typedef struct shape {
 	bool used;
 	int32_t n_triangles, n_edges;
 	mesh_edge *edges;
+	strip *strips;
+	int32_t n_strips;
 	int32_t *edge_of; /* by corner; -1: of none */
 	int32_t *place;   /* by point: the first at its place */
 	uint32_t *next, *piece;
+	int8_t *closed; /* by triangle: 1, -1: of a piece that has an inside, seen from outside it goes round against
+			   the clock, or with it; 0: it has none */
 	uint8_t *first;
 	int32_t *order; /* triangles, as leaves of the tree have them */
 	tree tree;
@@ -87,6 +99,8 @@ typedef struct kept_shapes {
 	int64_t n_pairs, room_pairs, n_meets, room_meets;
 	encre_chain_point *points;
 	int64_t n_points, room_points;
+	struct boundaries **images; /* of the last job */
+	int n_images;
 } kept_shapes;
 
 /* ---- the frame ----------------------------------------------------------------------------------------------- */
@@ -102,15 +116,29 @@ typedef struct line {
 	int32_t own[OWN]; /* faces that do not hide it: of `body`, the last of a meet's of `other` */
 	int n_own;
 	int32_t other;
-	float bend, fade;
+	float bend, over, fade;
 	int8_t side;
+	int32_t color[2]; /* COLOR: left and right of its way on the screen */
 	bool clipped[2];
 	double whole[2], part[2];     /* between the clip planes, and in the frame with its margin */
 	double whole_long, part_long; /* pixels */
 	int64_t link[2];              /* 2 x the line that follows at that end, + its end; -1 */
 	int64_t first;                /* of its pieces */
 	int32_t n_pieces, room;
+	int64_t first_hidden; /* likewise, of those that are not seen */
+	int32_t n_hidden;
 } line;
+
+/* Lines of colors, by chunks of faces. */
+typedef struct printed {
+	line *line;
+	int64_t n, room;
+} printed;
+
+typedef struct prints {
+	printed *chunk;
+	int64_t count, n; /* of chunks, and of all lines */
+} prints;
 
 /* Of a line, what can be seen. */
 typedef struct seen_piece {
@@ -118,6 +146,7 @@ typedef struct seen_piece {
 	float bend, gap;
 	int32_t behind;
 	bool flush;
+	int32_t before; /* how many things lie before it: of what is not seen */
 } seen_piece;
 
 typedef struct chains {
@@ -131,11 +160,14 @@ typedef struct chains {
 	int32_t *order;
 	double eye[3], back[3]; /* back: towards an eye that is infinitely far */
 	bool perspective;
-	double pixel;          /* the size of a pixel at depth 1, or everywhere */
-	double x0, y0, x1, y1; /* the images, in pixels of the full frame */
+	double pixel;               /* the size of a pixel at depth 1, or everywhere */
+	double x0, y0, x1, y1;      /* the images, in pixels of the full frame */
+	struct boundaries **images; /* by the job's; NULL: it has no lines */
+	double gone;                /* pixels between lines of colors that are not drawn */
+	bool best;                  /* whether the best instructions may be used */
 	line *lines;
 	int64_t n_lines;
-	seen_piece *pieces;
+	seen_piece *pieces, *hidden; /* hidden: NULL: nobody asks */
 	late *late;
 } chains;
 
@@ -274,9 +306,19 @@ int32_t meets_find(chains *c);
 /* candidates.c: bodies on the screen; edges that can be lines in the frame. */
 int32_t lines_aim(chains *c);
 int32_t lines_find(chains *c);
-/* bevel.c: by how many degrees the surface bends over several narrow faces about an edge, on the screen; 0: the edge
- * is not their middle. *fade: how much of its width the line has. */
-float bevel_bend(const chains *c, const body *b, int32_t edge, float *fade);
+/* What of a line lies between the clip planes and in the frame with its margin; false: nothing does. */
+bool line_clip(const chains *c, line *l);
+/* colors.c: where colors part in the images of the job. prints.c: these on the meshes, as lines, which are then moved
+ * to where there is room for all. */
+int32_t colors_find(chains *c);
+int32_t colors_print(chains *c, prints *out);
+void prints_move(prints *p, line *to);
+void prints_free(prints *p);
+/* islands.c: the line at an edge of a body at which its image does not go on, and colors part. False: there is none. */
+bool seam_line(const chains *c, int number, int32_t edge, line *out);
+void colors_free(kept_shapes *kept);
+/* bevel.c: how much of its width the line of a bend over several faces has, of which an edge is the middle. */
+float strip_fade(const chains *c, const body *b, const mesh_edge *e);
 /* link.c: which line follows which. */
 int32_t lines_link(chains *c);
 /* sight.c: room for the parts of lines that the eye sees, and these. */
@@ -310,6 +352,8 @@ typedef struct sight {
 } sight;
 
 bool ISA(sight_hidden)(sight *s);
+/* How many bodies lie before the place, at most `most`. */
+int ISA(sight_before)(const sight *s, int most);
 /* The nearest on the way and beyond: body, face, at. False: nothing. */
 bool ISA(sight_nearest)(sight *s);
 

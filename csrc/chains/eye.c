@@ -194,6 +194,28 @@ bool ISA(sight_hidden)(sight *s)
 	return false;
 }
 
+int ISA(sight_before)(const sight *s, int most)
+{
+	const chains *c = s->c;
+	sight each = *s;
+	local_ray l;
+	int found = 0;
+	aim(&l, s->from, s->to, 1);
+	int32_t stack[TREE_STACK], top = c->tree.n_nodes > 0;
+	stack[0] = 0;
+	while (top && found < most) {
+		const tree_node *n = c->tree.nodes + stack[--top];
+		for (unsigned bits = entered(n, &l); bits && found < most; bits &= bits - 1) {
+			int32_t child = n->child[__builtin_ctz(bits)];
+			if (child >= 0)
+				stack[top++] = child;
+			else
+				found += body_hides(&each, c->order[c->tree.leaves[~child].from]);
+		}
+	}
+	return found;
+}
+
 /* ---- the nearest ----------------------------------------------------------------------------------------------- */
 
 /* Of what lies equally near the earlier: shares less apart than the tolerance are equal. */

@@ -18,6 +18,7 @@ void chains_free(kept_shapes **kept)
 	free(k->pairs);
 	free(k->meets);
 	free(k->points);
+	colors_free(k);
 	free(k);
 	*kept = NULL;
 }
@@ -27,13 +28,9 @@ void *chains_grow(void *array, size_t size, int64_t n, int64_t *room)
 	if (n < *room)
 		return array;
 	int64_t more = n ? 2 * n : 256;
-	void *grown = (uint64_t)more < SIZE_MAX / size ? malloc((size_t)more * size) : NULL;
-	if (!grown)
-		return NULL;
-	if (n)
-		memcpy(grown, array, (size_t)n * size);
-	free(array);
-	*room = more;
+	void *grown = (uint64_t)more < SIZE_MAX / size ? realloc(array, (size_t)more * size) : NULL;
+	if (grown)
+		*room = more;
 	return grown;
 }
 
@@ -66,6 +63,8 @@ static int32_t run(chains *c, bool best)
 	if (!code)
 		code = meets_find(c);
 	if (!code)
+		code = colors_find(c);
+	if (!code)
 		code = lines_find(c);
 	if (!code && c->n_lines > INT_MAX / 4)
 		code = ENCRE_ERROR_MEMORY;
@@ -93,7 +92,7 @@ int32_t chains_run(bands *pool, encre_chain_job *job, bool best, kept_shapes **k
 		meshes.view[i] = job->view[i];
 		meshes.projection[i] = job->projection[i];
 	}
-	chains c = {.job = job, .pool = pool, .g = {.job = &meshes}, .n_bodies = job->n_meshes};
+	chains c = {.job = job, .pool = pool, .g = {.job = &meshes}, .n_bodies = job->n_meshes, .best = best};
 	int32_t code = geometry_check(&c.g, error, size);
 	if (code)
 		return code;

@@ -3,9 +3,9 @@
  * gaps by themselves. The only two of a group join whatever the corner, else the straightest pair is first. */
 #include "chains/chains.h"
 
-#include <stdlib.h>
+#include <string.h>
 
-enum { MOST = 64 /* ends at a node that are looked at */, GROUPS = 4 };
+enum { MOST = 64 /* ends at a node that are looked at */, GROUPS = 5 };
 static const double across_groups = 0.35, sharpest = 0.5; /* in 1 + cosine of the corner: 0 straight on, 2 back */
 
 typedef struct node_end {
@@ -13,19 +13,28 @@ typedef struct node_end {
 	int64_t end; /* 2 x line + end */
 } node_end;
 
-static int by_node(const void *a, const void *b)
+static inline size_t bucket_of(uint64_t node, int shift)
 {
-	const node_end *x = a, *y = b;
-	if (x->node != y->node)
-		return x->node < y->node ? -1 : 1;
-	return x->end < y->end ? -1 : x->end > y->end;
+	return (size_t)((node * 0x9e3779b97f4a7c15u) >> shift);
+}
+
+/* Few are in a bucket; what comes first in it stays so. */
+static void sort_bucket(node_end *ends, uint32_t n)
+{
+	for (uint32_t i = 1; i < n; i++) {
+		node_end own = ends[i];
+		uint32_t k = i;
+		for (; k > 0 && ends[k - 1].node > own.node; k--)
+			ends[k] = ends[k - 1];
+		ends[k] = own;
+	}
 }
 
 static int group_of(int kind)
 {
 	if (kind & (ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER | ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_MATERIAL))
 		return 0;
-	return kind & ENCRE_CHAIN_MEET ? 1 : kind & ENCRE_CHAIN_MARK ? 3 : 2;
+	return kind & ENCRE_CHAIN_MEET ? 1 : kind & ENCRE_CHAIN_MARK ? 3 : kind & ENCRE_CHAIN_COLOR ? 4 : 2;
 }
 
 typedef struct spoke {
@@ -55,11 +64,22 @@ static double cost_of(const spoke *a, const spoke *b, const int left[GROUPS])
 	return turn > sharpest ? INFINITY : turn + (a->group == b->group ? 0 : across_groups);
 }
 
+static void join(line *lines, int64_t a, int64_t b)
+{
+	lines[a / 2].link[a & 1] = b;
+	lines[b / 2].link[b & 1] = a;
+}
+
 static void join_node(line *lines, const node_end *ends, int n)
 {
 	spoke s[MOST];
 	int left[GROUPS] = {0};
 	n = n < MOST ? n : MOST;
+	if (n == 2 && group_of(lines[ends[0].end / 2].kind) == group_of(lines[ends[1].end / 2].kind)) {
+		if (ends[0].end / 2 != ends[1].end / 2)
+			join(lines, ends[0].end, ends[1].end);
+		return;
+	}
 	for (int i = 0; i < n; i++) {
 		s[i] = spoke_of(lines + ends[i].end / 2, (int)(ends[i].end & 1));
 		left[s[i].group]++;
@@ -80,8 +100,7 @@ static void join_node(line *lines, const node_end *ends, int n)
 			}
 		if (p < 0)
 			return;
-		lines[ends[p].end / 2].link[ends[p].end & 1] = ends[q].end;
-		lines[ends[q].end / 2].link[ends[q].end & 1] = ends[p].end;
+		join(lines, ends[p].end, ends[q].end);
 		s[p].left = s[q].left = false;
 		left[s[p].group]--;
 		left[s[q].group]--;
@@ -90,21 +109,37 @@ static void join_node(line *lines, const node_end *ends, int n)
 
 int32_t lines_link(chains *c)
 {
-	node_end *ends = late_take(&c->late, 2 * (size_t)c->n_lines + 1, sizeof *ends);
-	int64_t n = 0;
-	if (!ends)
+	size_t room = 2 * (size_t)c->n_lines + 1, buckets = 2;
+	int shift = 63;
+	while (buckets < room && shift > 32) {
+		buckets *= 2;
+		shift--;
+	}
+	node_end *all = late_take(&c->late, room, sizeof *all), *ends = late_take(&c->late, room, sizeof *ends);
+	uint32_t *first = late_take(&c->late, buckets + 2, sizeof *first), n = 0;
+	if (!all || !ends || !first)
 		return ENCRE_ERROR_MEMORY;
+	memset(first, 0, (buckets + 2) * sizeof *first);
 	for (int64_t i = 0; i < c->n_lines; i++)
 		for (int k = 0; k < 2; k++)
-			if (!c->lines[i].clipped[k])
-				ends[n++] = (node_end){c->lines[i].node[k], 2 * i + k};
-	qsort(ends, (size_t)n, sizeof *ends, by_node);
-	for (int64_t i = 0, end; i < n; i = end) {
+			if (!c->lines[i].clipped[k]) {
+				all[n] = (node_end){c->lines[i].node[k], 2 * i + k};
+				first[bucket_of(all[n++].node, shift) + 2]++;
+			}
+	for (size_t k = 0; k < buckets; k++)
+		first[k + 2] += first[k + 1];
+	for (uint32_t i = 0; i < n; i++)
+		ends[first[bucket_of(all[i].node, shift) + 1]++] = all[i];
+	for (size_t k = 0; k < buckets; k++)
+		sort_bucket(ends + first[k], first[k + 1] - first[k]);
+	for (uint32_t i = 0, end; i < n; i = end) {
 		for (end = i + 1; end < n && ends[end].node == ends[i].node;)
 			end++;
 		if (end - i > 1)
 			join_node(c->lines, ends + i, (int)(end - i < MOST ? end - i : MOST));
 	}
+	late_drop(&c->late, first);
 	late_drop(&c->late, ends);
+	late_drop(&c->late, all);
 	return ENCRE_OK;
 }

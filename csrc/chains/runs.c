@@ -7,9 +7,12 @@ static const double bridge = 1.5; /* pixels */
 static const double least = 1.5;  /* pixels of what is hidden at both ends */
 static const double none = 0.02;  /* pixels of any run */
 static const double touch = 1e-3; /* pixels between what follows without a gap */
+static const double span = 60;    /* pixels of an edge from point to point at most: what the frame cuts has, some way
+				     from there, the points that it has uncut */
 
 typedef struct walk {
 	const chains *c;
+	bool hidden; /* what is not seen is written */
 	kept_shapes *out;
 	bool failed;
 	int32_t run;
@@ -19,6 +22,13 @@ typedef struct walk {
 	int32_t begins; /* enum encre_chain_end */
 	double length;
 } walk;
+
+/* The pieces of a line that are written. */
+static const seen_piece *pieces_of(const chains *c, const line *l, bool hidden, int *count)
+{
+	*count = hidden ? l->n_hidden : l->n_pieces;
+	return hidden ? c->hidden + l->first_hidden : c->pieces + l->first;
+}
 
 static encre_chain_point *add_point(walk *w)
 {
@@ -54,23 +64,25 @@ static double apart_from(const encre_chain_point *p, screen s)
 	return sqrt(x * x + y * y);
 }
 
-static void add_piece(walk *w, const line *l, const seen_piece *piece, int way)
+static void add_part(walk *w, const line *l, const seen_piece *piece, int way, double from, double to)
 {
 	kept_shapes *k = w->out;
-	screen ends[2] = {screen_at(l, way > 0 ? piece->from : piece->to),
-			  screen_at(l, way > 0 ? piece->to : piece->from)};
+	screen ends[2] = {screen_at(l, from), screen_at(l, to)};
 	screen begins = screen_at(l, l->whole[0]);
 	encre_chain_point p = {.bend = piece->flush ? piece->bend : max(piece->bend, l->bend),
-			       .gap = piece->gap,
+			       .gap = w->hidden ? (float)piece->before : piece->gap,
 			       .along = {(float)apart(begins, ends[0]), (float)apart(begins, ends[1])},
-			       .fade = l->fade,
+			       .over = l->kind & ENCRE_CHAIN_BEVEL ? l->over : 0,
+			       .fade = l->kind & ENCRE_CHAIN_BEVEL ? l->fade : 0,
 			       .mesh = l->body,
 			       .edge = l->edge & 0xffffff,
-			       .kind = l->kind | (piece->flush ? ENCRE_CHAIN_FLUSH : 0),
+			       .kind = l->kind | (piece->flush ? ENCRE_CHAIN_FLUSH : 0) |
+				       (w->hidden ? ENCRE_CHAIN_HIDDEN : 0),
 			       .side = l->side * way,
 			       .object = l->object,
 			       .behind = piece->behind,
-			       .run = w->run};
+			       .run = w->run,
+			       .color = {l->color[way < 0], l->color[way > 0]}};
 	bool any = k->n_points > w->first;
 	for (int e = 0; e < 2; e++) {
 		/* the first point of a run has what tells of the way from it; one after a bridge of the way to it */
@@ -91,6 +103,21 @@ static void add_piece(walk *w, const line *l, const seen_piece *piece, int way)
 	w->length += apart(ends[0], ends[1]);
 }
 
+/* With points of its own at places that are fixed to the whole line. */
+static void add_piece(walk *w, const line *l, const seen_piece *piece, int way)
+{
+	double from = way > 0 ? piece->from : piece->to, to = way > 0 ? piece->to : piece->from;
+	int count = l->whole_long > 2 * span ? (int)fmin(l->whole_long / span, 1e6) : 1;
+	double begins = share_of(l, from) * count, ends = share_of(l, to) * count, little = 1e-3;
+	int first = way > 0 ? (int)floor(begins + little) + 1 : (int)ceil(begins - little) - 1;
+	for (int i = first; way > 0 ? i < ends - little : i > ends + little; i += way) {
+		double at = place_of(l, (double)i / count);
+		add_part(w, l, piece, way, from, at);
+		from = at;
+	}
+	add_part(w, l, piece, way, from, to);
+}
+
 static void hide(walk *w, double pixels)
 {
 	if (pixels <= touch)
@@ -105,8 +132,10 @@ static void walk_line(walk *w, const line *l, int from, bool loop)
 {
 	int way = from ? -1 : 1;
 	double at = l->part[from], pixels = l->part_long / fmax(l->part[1] - l->part[0], 1e-12);
-	for (int i = 0; i < l->n_pieces && !w->failed; i++) {
-		const seen_piece *piece = w->c->pieces + l->first + (way > 0 ? i : l->n_pieces - 1 - i);
+	int count;
+	const seen_piece *all = pieces_of(w->c, l, w->hidden, &count);
+	for (int i = 0; i < count && !w->failed; i++) {
+		const seen_piece *piece = all + (way > 0 ? i : count - 1 - i);
 		double begins = way > 0 ? piece->from : piece->to, ends = way > 0 ? piece->to : piece->from;
 		double hidden = fabs(begins - at) * pixels;
 		bool none_yet = w->gap == INFINITY;
@@ -127,37 +156,39 @@ static void walk_line(walk *w, const line *l, int from, bool loop)
 	hide(w, fabs(l->part[1 - from] - at) * pixels);
 }
 
-static bool is_whole(const chains *c, const line *l)
+static bool is_whole(const chains *c, const line *l, bool hidden)
 {
-	if (!l->n_pieces || c->pieces[l->first].from > l->part[0] ||
-	    c->pieces[l->first + l->n_pieces - 1].to < l->part[1])
+	int count;
+	const seen_piece *all = pieces_of(c, l, hidden, &count);
+	if (!count || all[0].from > l->part[0] || all[count - 1].to < l->part[1])
 		return false;
-	for (int i = 1; i < l->n_pieces; i++)
-		if (c->pieces[l->first + i].from > c->pieces[l->first + i - 1].to)
+	for (int i = 1; i < count; i++)
+		if (all[i].from > all[i - 1].to)
 			return false;
 	return true;
 }
 
-static bool begins_hidden(const chains *c, int64_t end)
+static bool begins_apart(const chains *c, int64_t end, bool hidden)
 {
 	const line *l = c->lines + end / 2;
-	if (!l->n_pieces)
+	int count;
+	const seen_piece *all = pieces_of(c, l, hidden, &count);
+	if (!count)
 		return true;
-	const seen_piece *piece = c->pieces + l->first;
-	return end & 1 ? piece[l->n_pieces - 1].to < l->part[1] : piece->from > l->part[0];
+	return end & 1 ? all[count - 1].to < l->part[1] : all->from > l->part[0];
 }
 
-/* The end at which to enter a ring: where it is hidden, if anywhere. *whole: nothing is. */
-static int64_t ring_start(const chains *c, int64_t start, bool *whole)
+/* The end at which to enter a ring: where nothing of it is written, if anywhere. *whole: all is. */
+static int64_t ring_start(const chains *c, int64_t start, bool hidden, bool *whole)
 {
 	int64_t end = start, part = -1;
 	do {
 		const line *l = c->lines + end / 2;
-		if (begins_hidden(c, end)) {
+		if (begins_apart(c, end, hidden)) {
 			*whole = false;
 			return end;
 		}
-		part = part < 0 && !is_whole(c, l) ? end : part;
+		part = part < 0 && !is_whole(c, l, hidden) ? end : part;
 		end = l->link[1 - (end & 1)];
 	} while (end != start);
 	*whole = part < 0;
@@ -191,17 +222,21 @@ int32_t runs_write(chains *c)
 	uint8_t *done = late_take(&c->late, (size_t)c->n_lines + 1, sizeof *done);
 	if (!done)
 		return ENCRE_ERROR_MEMORY;
-	for (int64_t i = 0; i < c->n_lines; i++)
-		done[i] = 0;
 	c->kept->n_points = 0;
-	for (int rings = 0; rings < 2; rings++)
-		for (int64_t i = 0; i < c->n_lines && !w.failed; i++) {
-			const line *l = c->lines + i;
-			bool whole = false;
-			if (done[i] || (!rings && l->link[0] >= 0 && l->link[1] >= 0))
-				continue;
-			int64_t start = rings ? ring_start(c, 2 * i, &whole) : 2 * i + (l->link[0] >= 0);
-			walk_chain(&w, start, whole, done);
-		}
+	for (int hidden = 0; hidden < 1 + (c->hidden != NULL); hidden++) {
+		w.hidden = hidden;
+		for (int64_t i = 0; i < c->n_lines; i++)
+			done[i] = 0;
+		for (int rings = 0; rings < 2; rings++)
+			for (int64_t i = 0; i < c->n_lines && !w.failed; i++) {
+				const line *l = c->lines + i;
+				bool whole = false;
+				if (done[i] || (!rings && l->link[0] >= 0 && l->link[1] >= 0))
+					continue;
+				int64_t start =
+					rings ? ring_start(c, 2 * i, hidden, &whole) : 2 * i + (l->link[0] >= 0);
+				walk_chain(&w, start, whole, done);
+			}
+	}
 	return w.failed ? ENCRE_ERROR_MEMORY : ENCRE_OK;
 }

@@ -44,18 +44,6 @@ static enum encre_edge told_of(const encre_mesh *m, uint32_t corner)
 	return m->edges ? (enum encre_edge)(m->edges[corner / 3] >> 2 * (corner % 3) & 3) : ENCRE_EDGE_FLAT;
 }
 
-static void face_across(const recipe *r, int32_t face, double out[3])
-{
-	double p[3][3];
-	for (uint32_t k = 0; k < 3; k++) {
-		const float *q = r->mesh->points + 3 * (size_t)topology_point(r->mesh, 3 * (uint32_t)face + k);
-		for (int i = 0; i < 3; i++)
-			p[k][i] = r->linear[3 * i] * (double)q[0] + r->linear[3 * i + 1] * (double)q[1] +
-				  r->linear[3 * i + 2] * (double)q[2];
-	}
-	across3(p, out);
-}
-
 static void find_edge(const recipe *r, const shape *s, uint32_t c, mesh_edge *e)
 {
 	const encre_mesh *m = r->mesh;
@@ -71,12 +59,12 @@ static void find_edge(const recipe *r, const shape *s, uint32_t c, mesh_edge *e)
 		return;
 	}
 	e->face[1] = (int32_t)(second / 3);
-	face_across(r, e->face[0], own);
+	recipe_across(r, e->face[0], own);
 	for (uint32_t d = second; d != NO_CORNER; d = s->next[d]) {
 		int32_t face = (int32_t)(d / 3);
 		bool same = s->place[topology_point(m, d)] == e->end[0];
 		double other[3];
-		face_across(r, face, other);
+		recipe_across(r, face, other);
 		for (int k = 0; k < 3 && same; k++)
 			other[k] = -other[k];
 		e->bend = max(e->bend, angle3(own, other));
@@ -130,6 +118,35 @@ static bool find_edges(const recipe *r, shape *s)
 	return find_round(s, r->mesh);
 }
 
+static double volume_of(const encre_mesh *m, int32_t face)
+{
+	double p[3][3], across[3];
+	for (uint32_t k = 0; k < 3; k++)
+		for (int i = 0; i < 3; i++)
+			p[k][i] = (double)m->points[3 * (size_t)topology_point(m, 3 * (uint32_t)face + k) + (size_t)i];
+	cross3(p[1], p[2], across);
+	return dot3(p[0], across);
+}
+
+/* Of the pieces that have an inside: two triangles at each edge, which go round alike. */
+static bool find_closed(shape *s, const encre_mesh *m)
+{
+	double *volume = calloc((size_t)s->n_triangles + 1, sizeof *volume);
+	uint8_t *open = calloc((size_t)s->n_triangles + 1, 1);
+	for (int32_t i = 0; volume && open && i < s->n_edges; i++)
+		open[s->piece[s->edges[i].face[0]]] |=
+			(s->edges[i].flags & (EDGE_BORDER | EDGE_MANY | EDGE_SAME_WAY)) != 0;
+	for (int32_t i = 0; volume && open && i < s->n_triangles; i++)
+		volume[s->piece[i]] += volume_of(m, i);
+	for (int32_t i = 0; volume && open && i < s->n_triangles; i++) {
+		double v = volume[s->piece[i]];
+		s->closed[i] = (int8_t)(open[s->piece[i]] ? 0 : (v > 0) - (v < 0));
+	}
+	free(open);
+	free(volume);
+	return volume && open;
+}
+
 static bool find_tree(shape *s, const encre_mesh *m)
 {
 	tree_box *boxes = malloc(((size_t)s->n_triangles + 1) * sizeof *boxes);
@@ -166,7 +183,7 @@ static bool find_lines(shape *s, const encre_mesh *m)
 	for (int32_t i = 0; i < 2 * m->n_primitives; i++) {
 		mesh_edge *e = s->edges + i / 2;
 		e->end[i % 2] = s->place[m->corners ? m->corners[i] : i];
-		e->face[i % 2] = -1;
+		e->face[i % 2] = e->strip = -1;
 	}
 	return true;
 }
@@ -177,9 +194,11 @@ void shape_free(shape *s)
 		return;
 	tree_free(&s->tree);
 	free(s->edges);
+	free(s->strips);
 	free(s->edge_of);
 	free(s->place);
 	free(s->next);
+	free(s->closed);
 	free(s->piece);
 	free(s->first);
 	free(s->order);
@@ -200,13 +219,16 @@ shape *shape_make(const recipe *r)
 	s->next = malloc((3 * n + 1) * sizeof *s->next);
 	s->piece = malloc((n + 1) * sizeof *s->piece);
 	s->first = malloc(n + 1);
+	s->closed = calloc(n + 1, 1);
 	s->order = malloc((n + 1) * sizeof *s->order);
-	bool made = s->place && s->edge_of && s->next && s->piece && s->first && s->order && find_places(s, m);
+	bool made =
+		s->place && s->edge_of && s->next && s->piece && s->first && s->closed && s->order && find_places(s, m);
 	if (made && is_line(m))
 		made = find_lines(s, m);
 	else if (made) {
 		topology t = {.next = s->next, .first = s->first, .piece = s->piece};
-		made = topology_find(m, &t) && find_edges(r, s) && find_tree(s, m);
+		made = topology_find(m, &t) && find_edges(r, s) && strips_find(r, s) && find_closed(s, m) &&
+		       find_tree(s, m);
 	}
 	if (made)
 		return s;

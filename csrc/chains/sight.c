@@ -10,14 +10,18 @@ enum {
 	CHUNK = 256, /* lines that a thread takes at once */
 	HALVINGS = 12
 };
-static const double exact = 0.02;    /* pixels to which ends are found, and by which what hides lies before */
-static const double close_to = 2e-6; /* of the depth: as far as doubles of a mesh in floats tell */
-static const double mark_before = 1; /* pixels by which a line by hand may lie within what it is drawn on */
-static const double beside = 0.12;   /* pixels to both sides where it is asked what a line parts */
-static const double step = 0.2;      /* pixels of depth between the two: a line */
-static const double cell = 4;        /* pixels in which a contour has one surface behind it */
-static const double beyond = 0.3;    /* pixels from a contour, to what is behind it */
+static const double exact = 0.02;     /* pixels to which ends are found, and by which what hides lies before */
+static const double close_to = 2e-6;  /* of the depth: as far as doubles of a mesh in floats tell */
+static const double mark_before = 1;  /* pixels by which a line by hand may lie within what it is drawn on */
+static const double beside = 0.12;    /* pixels to both sides where it is asked what a line parts */
+static const double step = 0.2;       /* pixels of depth between the two: a line */
+static const double cell = 4;         /* pixels in which a contour has one surface behind it */
+static const double beyond = 0.3;     /* pixels from a contour, to what is behind it */
+static const double color_step = 1.5; /* pixels from sample to sample where colors part: nothing but surfaces before it
+					 ends such a line */
 static const float nothing_behind = 1e9f, far_behind = 64;
+static const float gap_step = 0.05f, gap_share = 1.15f, gap_even = 2; /* what is behind a piece lies so far off: pixels
+									 up to gap_even, then shares */
 
 static const int contours = ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER;
 
@@ -25,6 +29,8 @@ static const int contours = ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER;
 typedef struct look {
 	bool seen, flush;
 	float bend;
+	int before; /* of what is not seen, where that is asked: things that lie
+		       before it */
 } look;
 
 /* Aims at a place, that many units deep. */
@@ -75,7 +81,7 @@ static double plane_at(const chains *c, const sight *s, const double p[3], doubl
 /* What the two sides of a line are, where a surface touches it or ends there. */
 static look parts(const chains *c, const line *l, double t)
 {
-	const look whole = {true, false, 180}, none = {false, false, 0};
+	const look whole = {true, false, 180, 0}, none = {false, false, 0, 0};
 	double p[3], side[3], at[2], across[2][3];
 	screen here = screen_at(l, t);
 	double pixel = pixel_at_depth(c, here.depth);
@@ -108,7 +114,7 @@ static look parts(const chains *c, const line *l, double t)
 	bool one_material = material_of(a, s[0].face) == material_of(b, s[1].face);
 	if (!one_object && (!one_material || bend >= 1))
 		return whole;
-	return (look){true, true, bend};
+	return (look){true, true, bend, 0};
 }
 
 static look look_at(const chains *c, const line *l, double t, sight *s)
@@ -121,21 +127,30 @@ static look look_at(const chains *c, const line *l, double t, sight *s)
 	s->slack = exact * pixel;
 	sight_aim(s, p, here.depth);
 	if (ISA(sight_hidden)(s))
-		return (look){false, false, 0};
-	if (!(l->kind & ENCRE_CHAIN_MARK) && (s->touched || l->kind & (ENCRE_CHAIN_BORDER | ENCRE_CHAIN_MEET)))
+		return (look){.before = c->hidden && !(l->kind & ENCRE_CHAIN_COLOR)
+						? ISA(sight_before)(s, c->job->most_before + 1)
+						: 0};
+	if (!(l->kind & (ENCRE_CHAIN_MARK | ENCRE_CHAIN_COLOR)) &&
+	    (s->touched || l->kind & (ENCRE_CHAIN_BORDER | ENCRE_CHAIN_MEET)))
 		return parts(c, l, t);
-	return (look){true, false, l->bend};
+	return (look){true, false, l->bend, 0};
+}
+
+static bool alike(look a, look b)
+{
+	/* what something touches at one place only is no step along all of it */
+	return a.seen == b.seen && a.flush == b.flush && a.before == b.before && (a.bend < 180) == (b.bend < 180);
 }
 
 /* Between two places that look different: where. */
 static double narrow(const chains *c, const line *l, double from, double to, look first, const sight *hint)
 {
 	sight s = *hint;
-	double long_ = l->part_long / (l->part[1] - l->part[0]);
+	double long_ = l->whole_long / (l->whole[1] - l->whole[0]);
 	for (int k = 0; k < HALVINGS && (to - from) * long_ > exact; k++) {
 		double middle = 0.5 * (from + to);
 		look at = look_at(c, l, middle, &s);
-		if (at.seen == first.seen && at.flush == first.flush)
+		if (alike(at, first))
 			from = middle;
 		else
 			to = middle;
@@ -149,6 +164,19 @@ typedef struct depth_behind {
 	int32_t object;
 	float gap;
 } depth_behind;
+
+/* By itself, and not by where a piece begins: a part of a frame has the pieces of the whole. */
+static float on_steps(float gap)
+{
+	if (!(gap >= 0 && gap < far_behind)) /* what lies before the contour begins there: the two are apart */
+		return far_behind;
+	if (gap < gap_even)
+		return gap_step * floorf(gap / gap_step + 0.5f);
+	float v = gap_even;
+	while (v * gap_share <= gap)
+		v *= gap_share;
+	return v;
+}
 
 static depth_behind behind_at(const chains *c, const line *l, double t)
 {
@@ -177,10 +205,8 @@ static depth_behind behind_at(const chains *c, const line *l, double t)
 	sight_aim(&s, place, here.depth);
 	if (!ISA(sight_nearest)(&s))
 		return (depth_behind){0, nothing_behind};
-	float gap = (float)((s.at - 1) * here.depth / pixel);
-	/* what lies before the contour begins there: the two are apart */
 	return (depth_behind){object_of(c->bodies[s.body].mesh, s.face),
-			      gap >= 0 && gap < far_behind ? gap : far_behind};
+			      on_steps((float)((s.at - 1) * here.depth / pixel))};
 }
 
 /* ---- pieces ---------------------------------------------------------------------------------------------------- */
@@ -192,9 +218,11 @@ typedef struct samples {
 
 static samples samples_of(const line *l)
 {
-	double count = ceil(l->whole_long);
+	bool color = l->kind & ENCRE_CHAIN_COLOR;
+	double count = ceil(color ? l->whole_long / color_step : l->whole_long);
 	int n = count < 1 ? 1 : count < 1e8 ? (int)count : 100000000;
-	n = n < 3 && l->whole_long > 0.7 ? 3 : n < 2 && l->whole_long > 0.3 ? 2 : n;
+	if (!color)
+		n = n < 3 && l->whole_long > 0.7 ? 3 : n < 2 && l->whole_long > 0.3 ? 2 : n;
 	double a = share_of(l, l->part[0]) * n, b = share_of(l, l->part[1]) * n;
 	int from = (int)ceil(a - 0.5), last = (int)floor(b - 0.5);
 	if (from > last)
@@ -217,14 +245,10 @@ static int cells_of(const line *l)
 static int room_of(const line *l)
 {
 	samples s = samples_of(l);
+	if (l->kind & ENCRE_CHAIN_COLOR)
+		return (s.end - s.from + 1) / 2;
 	double cells = cells_of(l) * (share_of(l, l->part[1]) - share_of(l, l->part[0]));
 	return s.end - s.from + 2 + (int)cells + 2;
-}
-
-static bool nearly(depth_behind a, depth_behind b)
-{
-	float least = min(a.gap, b.gap);
-	return a.object == b.object && (least > 2 ? (a.gap > 1e8f) == (b.gap > 1e8f) : fabsf(a.gap - b.gap) < 0.05f);
 }
 
 static void add_piece(line *l, seen_piece *all, seen_piece piece)
@@ -251,7 +275,7 @@ static void add_seen(const chains *c, line *l, seen_piece *all, double from, dou
 		depth_behind next = behind_at(c, l, middle);
 		if (k == first) {
 			now = next;
-		} else if (!nearly(now, next)) {
+		} else if (now.object != next.object || now.gap != next.gap) {
 			piece.to = begins;
 			piece.gap = now.gap;
 			piece.behind = now.object;
@@ -266,6 +290,18 @@ static void add_seen(const chains *c, line *l, seen_piece *all, double from, dou
 	add_piece(l, all, piece);
 }
 
+static void add(const chains *c, line *l, seen_piece *all, double from, double to, look at)
+{
+	if (at.seen) {
+		add_seen(c, l, all, from, to, at);
+		return;
+	}
+	/* what nothing hides is no line there */
+	if (c->hidden && at.before > 0 && at.before <= c->job->most_before && l->n_hidden < l->room && to > from)
+		c->hidden[l->first_hidden + l->n_hidden++] = (seen_piece){
+			.from = from, .to = to, .bend = l->bend, .gap = nothing_behind, .before = at.before};
+}
+
 /* s: what hid the line before hides this one, too, or not. */
 static void see(const chains *c, line *l, seen_piece *all, sight *s)
 {
@@ -276,20 +312,17 @@ static void see(const chains *c, line *l, seen_piece *all, sight *s)
 	for (int i = k.from; i < k.end; i++) {
 		double t = place_of(l, (i + 0.5) / k.n);
 		look now = look_at(c, l, t, s);
-		bool same = now.seen == last.seen && now.flush == last.flush;
 		if (i == k.from) {
 			begins = l->part[0];
-		} else if (!same) {
+		} else if (!alike(now, last)) {
 			double at = narrow(c, l, before, t, last, s);
-			if (last.seen)
-				add_seen(c, l, all, begins, at, last);
+			add(c, l, all, begins, at, last);
 			begins = at;
 		}
 		last = now;
 		before = t;
 	}
-	if (last.seen)
-		add_seen(c, l, all, begins, l->part[1], last);
+	add(c, l, all, begins, l->part[1], last);
 }
 
 static void see_lines(void *data, int from, int end, int thread)
@@ -307,9 +340,14 @@ int32_t ISA(sight_find)(chains *c)
 	for (int64_t i = 0; i < c->n_lines; i++) {
 		line *l = c->lines + i;
 		l->first = sum;
-		l->n_pieces = 0;
+		l->first_hidden = sum;
+		l->n_pieces = l->n_hidden = 0;
 		sum += l->room = room_of(l);
 	}
 	c->pieces = late_take(&c->late, (size_t)sum + 1, sizeof *c->pieces);
+	if (c->job->most_before > 0)
+		c->hidden = late_take(&c->late, (size_t)sum + 1, sizeof *c->hidden);
+	if (c->job->most_before > 0 && !c->hidden)
+		return ENCRE_ERROR_MEMORY;
 	return c->pieces ? bands_run(c->pool, (int)c->n_lines, CHUNK, see_lines, c) : ENCRE_ERROR_MEMORY;
 }

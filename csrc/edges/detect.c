@@ -160,7 +160,7 @@ void ISA(detect_change)(const float *const *row, int n, float *restrict response
 }
 #undef WINDOW
 
-void ISA(detect_contrast)(int metric, const float *(*row)[3], int n, float *restrict response)
+void ISA(detect_contrast)(const color_metric *metric, const float *(*row)[3], int n, float *restrict response)
 {
 	/* row and column of one of the two from the window's middle column on: N, NE, E, SE */
 	static const int pair[4][2] = {{0, 0}, {0, 1}, {1, 1}, {2, 1}};

@@ -3,6 +3,7 @@
 #ifndef ENCRE_DETECT_H
 #define ENCRE_DETECT_H
 
+#include "base/metric.h"
 #include "base/stage.h"
 
 enum {
@@ -32,6 +33,6 @@ void ISA(detect_bend)(const float *const *row, int n, float *restrict response);
 /* 1 where another sample of the window differs from the centre. */
 void ISA(detect_change)(const float *const *row, int n, float *restrict response);
 /* The largest difference, by `metric`, of two opposite neighbours; row[k][c]: plane c of row y - 1 + k. */
-void ISA(detect_contrast)(int metric, const float *(*row)[3], int n, float *restrict response);
+void ISA(detect_contrast)(const color_metric *metric, const float *(*row)[3], int n, float *restrict response);
 
 #endif

@@ -5,9 +5,11 @@
  * the pixel. To add a source: name it in enum source (the order decides ties), sample its layer in samples.c,
  * give its strength in sources.c and its weight here. The detector FINE does all that in its own way (fine.h). */
 #include "edges/edges.h"
+#include "base/between.h"
 #include "base/pixel.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* Divisors of depth may be tiny: factors up to this leave all products finite. */
 static const float most_factor = 1e28f;
@@ -84,6 +86,7 @@ static float weight_in(const encre_params *p, enum source s)
 	case SOURCE_MARK: return p->line_mark_strength;
 	case SOURCE_SEEN: return p->line_mirror_strength;
 	case SOURCE_SUGGESTIVE: return p->line_suggestive_strength;
+	case SOURCE_HIDDEN: return p->line_hidden_strength;
 	default: return p->line_shadow_strength;
 	}
 }
@@ -102,8 +105,11 @@ static bool weigh(const edges *e, enum source s, int y, int x0, int n, const uin
 	for (int i = 0; i < n; i++)
 		weight[i] = e->weight[s][style ? style[i] : 0];
 	const float *controls = controls_at(e->f, x0, y);
-	for (int i = 0; s == SOURCE_COLOR && controls && i < n; i++)
-		weight[i] += controls[CONTROL_COUNT * (ptrdiff_t)i + CONTROL_COLOR_EDGE];
+	for (int i = 0; s == SOURCE_COLOR && controls && i < n; i++) {
+		float control = controls[CONTROL_COUNT * (ptrdiff_t)i + CONTROL_COLOR_EDGE];
+		weight[i] = painted_weight(e, weight[i], control);
+		any |= control > 0;
+	}
 	for (int i = 0; i < n; i++) {
 		weight[i] = positive(weight[i]);
 		any |= weight[i] > 0;
@@ -190,6 +196,13 @@ static void edge_tile(const edges *e, ring *rings, int y, int x0, int n, int thr
 		float *own = r.strength[r.count];
 		fetch_ahead(f, thread);
 		ISA(source_strength)(rings + s, y, x0, n, own);
+		if (s == SOURCE_COLOR && each) {
+			for (int i = 0; i < n; i++) {
+				own[i] = min(weight[i] * own[i], pixel_most);
+				weight[i] = 1;
+			}
+			ISA(source_painted)(rings + s, y, x0, n, own);
+		}
 		if (each)
 			weigh_in(n, weight, 0, own, strength);
 		else
@@ -289,9 +302,9 @@ static edges setup(const frame *f)
 	float gain = !e.dog ? 10 : e.inverse ? 60 : 200;
 	float divisor = e.ortho ? f->camera.height : e.inverse ? 1 : p->depth_far - p->depth_near;
 	e.depth_factor = gain / divisor < most_factor ? gain / divisor : most_factor;
-	e.creases = e.fine && p->crease_source == crease_source_AUTO && f->layer[ENCRE_LAYER_CREASES].data;
-	for (int i = 0; e.creases && i < f->n_styles; i++) {
-		e.bump[i] = p[i].crease_bumps;
+	for (int i = 0; e.fine && f->n_chained && i < f->n_styles; i++) {
+		bool meshes = p->crease_source == crease_source_AUTO;
+		e.bump[i] = meshes ? p[i].crease_bumps : weight_in(p + i, SOURCE_NORMAL);
 		e.on[SOURCE_NORMAL] |= e.bump[i] > 0;
 	}
 	for (int s = 0; s < SOURCE_COUNT; s++) {
@@ -306,10 +319,11 @@ static edges setup(const frame *f)
 	}
 	e.on[SOURCE_OBJECT] &= f->layer[ENCRE_LAYER_OBJECT].data != NULL;
 	e.on[SOURCE_MATERIAL] &= f->layer[ENCRE_LAYER_MATERIAL].data != NULL;
-	e.on[SOURCE_MARK] &= f->layer[ENCRE_LAYER_MARKS].data || (e.fine && f->n_chains);
+	e.on[SOURCE_MARK] &= f->n_chains > 0;
 	e.on[SOURCE_COLOR] |= f->layer[ENCRE_LAYER_CONTROLS].data != NULL;
 	e.on[SOURCE_SEEN] &= e.fine && f->layer[ENCRE_LAYER_SEEN_COLOR].data && f->layer[ENCRE_LAYER_SEEN_NORMAL].data;
 	e.on[SOURCE_SUGGESTIVE] &= e.fine;
+	e.on[SOURCE_HIDDEN] &= e.fine;
 	e.on[SAMPLE_SEEN_COLOR] = e.on[SOURCE_SEEN];
 	e.on[SAMPLE_SEEN_DEPTH] = e.on[SOURCE_SEEN] && f->layer[ENCRE_LAYER_SEEN_DEPTH].data;
 	e.reach[SAMPLE_SEEN_COLOR] = e.reach[SAMPLE_SEEN_DEPTH] = e.reach[SOURCE_SEEN];
@@ -327,6 +341,7 @@ static void plan(frame *f, arena *a)
 		f->edge = arena_take(a, pixels, 1);
 		f->strength = arena_take(a, pixels, sizeof *f->strength);
 		f->near = arena_take(a, pixels, 1);
+		e.marked = e.on[SOURCE_MARK] ? arena_take(a, pixels, 1) : NULL;
 	}
 	e.plane_samples = (f->width + 2 * MAX_REACH + 15) & ~15;
 	for (int s = 0; s < SAMPLE_COUNT; s++) {
@@ -355,6 +370,25 @@ static void plan(frame *f, arena *a)
 		made->rings[i].next = -1;
 	if (e.fine)
 		ISA(fine_plan)(f, &e, a);
+}
+
+static void mark_pixel(void *user, const passage *p)
+{
+	const edges *e = user;
+	bool next = p->share > 0.5f;
+	if (p->of->kind & ENCRE_CHAIN_MARK)
+		e->marked[(ptrdiff_t)(p->y + (next && p->down)) * e->f->width + p->x + (next && !p->down)] = 1;
+}
+
+/* Lines drawn by hand are those of the nearer pixel. */
+static int32_t prepare(frame *f)
+{
+	edges *e = f->edges;
+	if (!f->want_edges || f->edges_kept || !e->marked)
+		return ENCRE_OK;
+	memset(e->marked, 0, (size_t)f->width * (size_t)f->height);
+	between_each(f, mark_pixel, e);
+	return ENCRE_OK;
 }
 
 static bool draws_nothing(const frame *f)
@@ -393,5 +427,10 @@ static int32_t run(frame *f)
 	return e->fine ? ISA(fine_run)(f) : bands_run(f->bands, f->height, 0, edge_rows, e);
 }
 
-const stage STAGE_SYMBOL(edges) = {
-	.id = "edges", .check = check, .plan = plan, .run = run, .rows = first_rows, .draws = draws_nothing};
+const stage STAGE_SYMBOL(edges) = {.id = "edges",
+				   .check = check,
+				   .plan = plan,
+				   .prepare = prepare,
+				   .run = run,
+				   .rows = first_rows,
+				   .draws = draws_nothing};

@@ -23,10 +23,10 @@ typedef struct edges {
 	bool inverse, ortho; /* depth is compared as 1/z, or as z under an orthographic camera */
 	float depth_factor;  /* from a detector's response on the samples to strength */
 	float weight[SOURCE_COUNT][UINT8_MAX + 1]; /* by style */
-	bool creases; /* meshes tell where surfaces bend; then the weight of what normals show besides, by style: */
-	float bump[UINT8_MAX + 1];
+	float bump[UINT8_MAX + 1];                 /* by style: of what normals show where chains tell of creases */
 	int reach[SAMPLE_COUNT];
 
+	uint8_t *marked; /* width * height: 1 at the pixel that a line drawn by hand passes by; NULL: none is sought */
 	struct held_rings *rings; /* for each thread */
 	float *samples;           /* rings of all sources, for each thread */
 	ptrdiff_t thread_samples, plane_samples;
@@ -72,6 +72,21 @@ static inline float full_contrast(const edges *e, int s, int x, int y)
 	return most > least_full_contrast ? most : least_full_contrast;
 }
 
+/* Weight of the source color where color_edge is painted: its darks take it away. Where DOG compares colours, they are
+ * multiplied with the control (W 3.1). */
+static inline float painted_weight(const edges *e, float weight, float control)
+{
+	return control < 0 ? weight * (1 + control) : e->contrast ? weight : weight + control;
+}
+
+/* The least strength, weighted, between two colours where color_edge is painted with more than 0: all white, they are
+ * an edge from a CIEDE2000 of 5 on, and no less than half a line. `difference`: a hundredth of it. */
+static inline float painted_strength(const edges *e, float control, float difference)
+{
+	float most = e->p->edge_threshold > 0.5f ? e->p->edge_threshold : 0.5f;
+	return e->contrast && control > 0 ? most * min(1, 20 * control * difference) : 0;
+}
+
 /* What distances of what is seen are compared in: linear on planes on screen. 0 or less: nothing there. */
 static inline float seen_sample(const edges *e, float z)
 {
@@ -90,6 +105,8 @@ void ISA(ring_window)(const ring *r, int x0, int plane, const float **row);
 
 /* Strength of the ring's source at n <= TILE pixels from (x0, y); negative = none. The ring has the window about y. */
 void ISA(source_strength)(const ring *r, int y, int x0, int n, float *restrict strength);
+/* Raises weighted strengths of colours to what is painted there. */
+void ISA(source_painted)(const ring *r, int y, int x0, int n, float *restrict strength);
 /* Largest colour difference across these pixels. */
 void ISA(source_difference)(const ring *r, int x0, int n, float *restrict difference);
 

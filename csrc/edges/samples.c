@@ -45,17 +45,10 @@ static void depth_samples(const edges *e, const float *restrict z, int n, float 
 		}
 }
 
-/* 1 at the pixel whose centre is nearer to a place where a line passes, for the ways of row y to the right, of row
- * y - 1 and row y down. */
-static void mark_samples(const edges *e, int y, float *restrict out)
+static void mark_samples(const uint8_t *restrict marked, int n, float *restrict out)
 {
-	const float *own = layer_row(e->f, ENCRE_LAYER_MARKS, y),
-		    *above = y > 0 ? layer_row(e->f, ENCRE_LAYER_MARKS, y - 1) : NULL;
-	for (int x = 0; x < e->f->width; x++) {
-		bool right = own[2 * x] > 0 && own[2 * x] <= 0.5f, left = x > 0 && own[2 * x - 2] > 0.5f;
-		bool down = own[2 * x + 1] > 0 && own[2 * x + 1] <= 0.5f, up = above && above[2 * x + 1] > 0.5f;
-		out[x] = right || left || down || up ? 1 : 0;
-	}
+	for (int i = 0; i < n; i++)
+		out[i] = marked[i];
 }
 
 /* Row y, inside the frame, of plane 0; other planes follow e->plane_samples apart. */
@@ -68,7 +61,7 @@ static void sample_row(const ring *r, int y, float *out)
 	switch ((int)r->source) {
 	case SOURCE_OBJECT: memcpy(out, layer_row(e->f, ENCRE_LAYER_OBJECT, y), (size_t)n * sizeof *out); return;
 	case SOURCE_MATERIAL: memcpy(out, layer_row(e->f, ENCRE_LAYER_MATERIAL, y), (size_t)n * sizeof *out); return;
-	case SOURCE_MARK: mark_samples(e, y, out); return;
+	case SOURCE_MARK: mark_samples(e->marked + (ptrdiff_t)y * n, n, out); return;
 	case SOURCE_DEPTH: depth_samples(e, layer_row(e->f, ENCRE_LAYER_DEPTH, y), n, out); return;
 	case SOURCE_NORMAL:
 		if (r->step == 3)

@@ -171,7 +171,8 @@ void ISA(source_difference)(const ring *r, int x0, int n, float *restrict differ
 		for (int k = 0; k < 3; k++)
 			row[k][c] = plane[k];
 	}
-	ISA(detect_contrast)(r->e->p->contrast_metric, row, n, difference);
+	color_metric metric = metric_of(r->e->p);
+	ISA(detect_contrast)(&metric, row, n, difference);
 }
 
 static void color_strength(const ring *r, int y, int x0, int n, float *restrict response)
@@ -200,6 +201,29 @@ static void color_strength(const ring *r, int y, int x0, int n, float *restrict 
 	float least = e->p->contrast_threshold;
 	for (int i = 0; i < n; i++)
 		response[i] = metric_strength(response[i], least, most[i]);
+}
+
+void ISA(source_painted)(const ring *r, int y, int x0, int n, float *restrict strength)
+{
+	static const int pair[4][2] = {{0, 0}, {0, 1}, {1, 1}, {2, 1}}; /* as in detect_contrast() */
+	const edges *e = r->e;
+	const float *controls = controls_at(e->f, x0, y), *row[3][MAX_ROWS];
+	if (!controls || !e->contrast)
+		return;
+	for (int c = 0; c < 3; c++)
+		ISA(ring_window)(r, x0, c, row[c]);
+	for (int i = 0; i < n; i++) {
+		float control = controls[CONTROL_COUNT * (ptrdiff_t)i + CONTROL_COLOR_EDGE], most = 0;
+		for (int k = 0; control > 0 && k < 4; k++) {
+			float one[3], two[3];
+			for (int c = 0; c < 3; c++) {
+				one[c] = row[c][pair[k][0]][i + pair[k][1]];
+				two[c] = row[c][2 - pair[k][0]][i - pair[k][1]];
+			}
+			most = max(most, ISA(metric_ciede2000)(e->p->contrast_metric, one, two));
+		}
+		strength[i] = max(strength[i], painted_strength(e, control, most));
+	}
 }
 
 static void index_strength(const ring *r, int x0, int n, float *restrict response)

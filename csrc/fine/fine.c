@@ -18,6 +18,10 @@ static float least_contrast(const encre_params *p, float weight)
 		least += (most - least) * min(1, least_faint * p->edge_threshold / weight);
 	/* a difference is at most 2/3 of the distance in RGB, and that distance itself in CIE76; the others bend the
 	 * space */
+	if (p->contrast_metric == contrast_metric_HSL) {
+		float weight = max3(p->contrast_lightness, p->contrast_saturation, 0.5f * p->contrast_hue);
+		return least / max(weight, 1e-6f);
+	}
 	return least * (p->contrast_metric == contrast_metric_RGB     ? 1.5f
 			: p->contrast_metric == contrast_metric_CIE76 ? 1
 								      : 0.33f);
@@ -32,8 +36,7 @@ void ISA(fine_plan)(frame *f, const edges *e, arena *a)
 		made.bumps |= e->bump[i] > 0;
 	for (int i = 0; i < f->n_styles; i++)
 		made.most_color = max(made.most_color, e->weight[SOURCE_COLOR][i]);
-	made.least_contrast =
-		least_contrast(f->params, made.most_color + (f->layer[ENCRE_LAYER_CONTROLS].data ? 1 : 0));
+	made.least_contrast = least_contrast(f->params, made.most_color);
 	for (int k = 0; k < FAMILY_COUNT; k++)
 		made.floor[k] = families[k].floor * (families[k].unit == UNIT_CREASE ? made.crease : 1);
 	made.across = pieces_of(f->width, CELL);
@@ -121,7 +124,7 @@ static bool has_forms(const fine *n)
 
 static bool has_lengths(const fine *n)
 {
-	bool any = has_forms(n) || (n->e->creases && n->e->on[SOURCE_NORMAL]);
+	bool any = has_forms(n);
 	for (int i = 0; i < n->f->n_styles; i++) {
 		const encre_params *p = n->f->params + i;
 		any |= n->e->on[SOURCE_LIGHT] && p->line_shadow_shortest > 0;
@@ -131,15 +134,9 @@ static bool has_lengths(const fine *n)
 	return any;
 }
 
-static bool knows_contours(const fine *n)
+static bool has_light(const fine *n)
 {
-	return n->e->creases && n->f->layer[ENCRE_LAYER_MARKS].data && n->e->on[SOURCE_DEPTH];
-}
-
-static bool gives_way(const fine *n)
-{
-	return (n->e->creases && (n->e->on[SOURCE_NORMAL] || n->e->on[SOURCE_DEPTH])) || n->e->on[SOURCE_LIGHT] ||
-	       n->e->on[SOURCE_MARK];
+	return n->e->on[SOURCE_LIGHT];
 }
 
 static bool keeps_away(const fine *n)
@@ -148,6 +145,11 @@ static bool keeps_away(const fine *n)
 	for (int i = 0; i < n->f->n_styles; i++)
 		any |= n->f->params[i].line_gap > 0 || n->f->params[i].line_halo > 0;
 	return any && has_chains(n);
+}
+
+static bool has_hidden(const fine *n)
+{
+	return n->e->on[SOURCE_HIDDEN] && n->f->n_chains > 0;
 }
 
 static bool may_crowd(const fine *n)
@@ -203,21 +205,19 @@ static const pass passes[] = {
 	{"smooth", NULL, ISA(fine_smooth), LINKS | KEPT | PLACED, PLACED, NULL},
 	{"sort again", NULL, ISA(fine_sort), PLACED, CELLS, BROKEN(cells)},
 	{"crowd", may_crowd, ISA(fine_crowd), FOUND | PLACED | CELLS | KEPT, KEPT, BROKEN(crowd)},
-	{"close eyes", NULL, ISA(fine_close_eyes), PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
-	{"give way", gives_way, ISA(fine_give_way), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS, KEPT,
-	 BROKEN(crowd)},
+	{"give way", has_light, ISA(fine_give_way), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"join ends", NULL, ISA(fine_join_ends), LAYERS | FOUND | PLACED | CELLS | KEPT | LINKS,
 	 FOUND | PLACED | CELLS | LINKS, BROKEN(joined)},
-	{"drop rungs", gives_way, ISA(fine_drop_rungs), LAYERS | FOUND | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"slender", NULL, ISA(fine_slender), LAYERS | CRACKS | FOUND | PLACED | KEPT | LINKS, KEPT, BROKEN(crowd)},
 	{"drop beside", NULL, ISA(fine_drop_beside), FOUND | PLACED | CELLS | KEPT | LINKS, KEPT | PLACED, NULL},
 	{"keep away", keeps_away, ISA(chains_keep_away), LAYERS | CHAINS | FOUND | PLACED | CELLS | KEPT | LINKS,
 	 PLACED | KEPT | LINKS, BROKEN(links)},
 	{"cut spurs", NULL, ISA(fine_cut_spurs), FOUND | PLACED | KEPT | LINKS, KEPT | LINKS, BROKEN(links)},
 	{"drop short", NULL, ISA(fine_drop_short), FOUND | PLACED | KEPT | LINKS, KEPT, NULL},
-	{"even eased", knows_contours, ISA(fine_even_eased), LAYERS | FOUND | PLACED | KEPT | LINKS, PLACED, NULL},
 	{"ease forms", has_lengths, ISA(fine_ease_forms), FOUND | PLACED | CELLS | KEPT | LINKS, PLACED | KEPT | LINKS,
 	 BROKEN(links)},
+	{"add hidden", has_hidden, ISA(chains_add_hidden), LAYERS | CHAINS | FOUND | PLACED | CELLS | KEPT | LINKS,
+	 FOUND | PLACED | CELLS | KEPT | LINKS, BROKEN(links)},
 	{"show strength", NULL, show_strength, PLACED | KEPT, 0, NULL},
 };
 

@@ -33,6 +33,7 @@ enum rank { RANK_SHAPE, RANK_CREASE, RANK_COLOR, RANK_FORM, RANK_LIGHT, RANK_SEE
 enum unit { UNIT_ONE, UNIT_CREASE };
 enum word { WORD_CRACK, WORD_RIDGE, WORD_MORE, WORD_NONE, WORD_COUNT };
 
+enum { CHAIN_FAMILIES = 3 };
 enum { NO_SAMPLE = SAMPLE_COUNT, LONE = 1, FAINT_SURE = 0, FAINT_FAINT = 1 };
 
 /* families.rows.h tells what the fields are. */
@@ -64,7 +65,7 @@ extern const sample_info samples[SAMPLE_COUNT];
  * for none. */
 extern const uint8_t marked_family[WORD_COUNT][16];
 
-/* Marks of a pixel in fine.crack: CRACK_RIGHT, CRACK_DOWN, MARK_..., LIGHT_... */
+/* Marks of a pixel in fine.crack: CRACK_RIGHT, CRACK_DOWN, LIGHT_... */
 #define MARKS_CRACK(id, bit) id##_RIGHT = 1 << (bit), id##_DOWN = 2 << (bit),
 #define MARKS_RIDGE(id, bit)
 #define MARKS_MORE(id, bit)
@@ -107,7 +108,6 @@ typedef struct placed {
 	uint8_t source : 7;       /* the strongest: whose width the line has */
 	uint8_t eased;            /* 255ths of its width that it lacks */
 	bool weak : 1;            /* of a line only where that goes on beside what is none by itself */
-	bool told : 1;            /* a contour that the mesh alone tells, or tells best */
 	int8_t step[3]; /* a step's way along its axis through the values of its layer, at most 127 long; else 0 */
 } placed;
 
@@ -159,6 +159,7 @@ typedef struct chain_site {
 	float along, gap; /* as in encre_chain_point */
 	bool folded;      /* a contour behind which the same thing goes on */
 	bool tied;        /* an end that meets something */
+	uint8_t end;      /* of the first and the last of a run: enum encre_chain_end */
 	float depth;
 	int32_t object;
 	float keeps_away, halo, beyond; /* pixels about it free of lines, and of anything, that lie deeper than the
@@ -174,7 +175,7 @@ typedef struct fine {
 	float least_contrast;      /* between colours across a step */
 	float *level_contrast;     /* of each style, each level and each other: how much they differ */
 	bool bumps;                /* normals may make edges where no face bends */
-	uint8_t *colored;          /* by row: colours may make edges */
+	uint8_t *colored;          /* by row: colours may make edges; 2: however little they differ */
 	uint8_t *crack;            /* width * height */
 	uint8_t *mixed;            /* likewise: all cracks; `crack` has those that make sites */
 	uint8_t *hit;              /* spans * height: of THIN_SPAN pixels of a row */
@@ -193,13 +194,16 @@ typedef struct fine {
 	float *scratch;          /* for each thread */
 	ptrdiff_t thread_scratch;
 
-	/* Of chains (fine/chains/): their sites are the first ones, those of shapes before those of creases. NULL and 0
-	 * without. */
-	uint32_t chains[2]; /* how many of each */
-	site *chain_made;   /* until they are gathered */
+	/* Of chains (fine/chains/): their sites are the first ones, those of shapes before those of creases, and of
+	 * colors last. NULL and 0 without. */
+	uint32_t chains[CHAIN_FAMILIES]; /* how many of each */
+	site *chain_made;                /* until they are gathered */
 	chain_site *chain;
 	uint32_t (*chain_link)[2], chain_links;
-	uint8_t *replaced, *uncut; /* width * height: 1 = chains tell the lines of what is there; memory of `mixed` */
+	uint8_t *replaced, *uncut; /* width * height: 1 = chains tell the lines of what is there, 2 = those of its
+				      colors; memory of `mixed` */
+	float *joints;             /* as between_contours() fills it; NULL: no colours are looked at */
+	uint8_t *bent; /* width * height: bit 0, 1: an edge of faces that are shaded flat passes to the right, down */
 
 	uint32_t count;
 	site *site;
@@ -211,6 +215,11 @@ typedef struct fine {
 	uint32_t *at, *to;
 	uint32_t known; /* sites that `at` knows */
 } fine;
+
+static inline uint32_t chain_sites(const fine *n)
+{
+	return n->chains[0] + n->chains[1] + n->chains[2];
+}
 
 static inline int rank_of(const site *s)
 {
@@ -263,37 +272,6 @@ float ISA(light_threshold)(const encre_params *p, float one, float two);
 /* Strength of the boundary between two values of light; the levels are those of p. */
 float ISA(light_contrast)(const fine *n, const encre_params *p, float one, float two);
 
-/* marks.c: marks in the cracks of a row where lines drawn by hand pass. */
-void ISA(hand_row)(const fine *n, int y);
-bool ISA(hand_site)(const fine *n, const found *at, placed *s);
-/* Where a line passes between the pixels of a crack, 0 < place <= 1, or a contour, -place; 0 for nowhere. */
-float ISA(hand_place)(const fine *n, const found *at);
-/* By how many steps (base/pixel.h) what a contour bounds lies before what is behind it; 0: less, or it is asked of the
- * layers. */
-int ISA(hand_steps)(const fine *n, const found *at);
-
-/* creases.c: marks in the cracks of a row where edges of meshes pass that bend enough. */
-void ISA(crease_row)(const fine *n, int y);
-bool ISA(crease_site)(const fine *n, const found *at, placed *s);
-/* Whether pieces of meshes pass through each other there. */
-bool ISA(crease_through)(const frame *f, const found *at);
-/* Whether any edge of a mesh passes on the way between the pixels of a crack, or on that before or behind it. */
-bool ISA(crease_between)(const fine *n, const found *at);
-/* Whether an edge that is a line passes on the way between the pixels of a crack, or on one to a neighbour of theirs.
- */
-bool ISA(crease_beside)(const fine *n, const found *at);
-/* Whether an edge of faces that are shaded flat passes a way between two pixels, however little they bend. */
-bool ISA(crease_flat)(const fine *n, int x, int y, int axis);
-/* Whether what is found is on edges of forms that are shaded smoothly alone: its own, or where ways cross all of them.
- */
-bool ISA(crease_angle_smooth)(const fine *n, const found *at);
-/* Whether what passes there is a hollow between faces that are shaded smoothly. */
-bool ISA(crease_hollow)(const fine *n, int x, int y, int axis);
-/* The weight of a crease that the normals show at a pixel: where a mesh tells of creases, it is a bump. */
-float ISA(crease_weight)(const fine *n, int x, int y, int style);
-/* Whether anywhere in a row one may be more than that. */
-bool ISA(crease_asked)(const fine *n, int y);
-
 /* thin.c: marks thin things, by the slices across them (slices.h); places their cracks again; marks and places sites
  * between those. */
 void ISA(thin_rows)(void *data, int y0, int y1, int thread);
@@ -310,8 +288,6 @@ float ISA(seen_clarity)(const fine *n, const found *at, int s);
 void ISA(valley_plan)(fine *n, const edges *e, arena *a);
 ptrdiff_t ISA(valley_scratch)(const fine *n); /* floats a thread */
 int32_t ISA(valley_run)(fine *n);
-/* How far a hollow of a round form gives way to valleys beside it: 0..1. */
-float ISA(valley_beside)(const fine *n, const found *at, const placed *s);
 bool ISA(valley_site)(const fine *n, const found *at, placed *s);
 
 /* ridges.c */
@@ -338,6 +314,10 @@ static inline int fine_style(const fine *n, const found *at, placed *s)
 bool ISA(fine_weigh)(const fine *n, placed *s, int style, enum source source, float strength);
 /* Likewise, with another weight than the source's. */
 bool ISA(fine_weigh_by)(const fine *n, placed *s, float weight, enum source source, float strength);
+/* The control color_edge at a site; and the least strength that it gives one between two colours, in the space of the
+ * metric. */
+float ISA(fine_painted)(const fine *n, const placed *s);
+void ISA(fine_paint)(const fine *n, placed *s, const float *one, const float *two);
 void ISA(fine_place)(const fine *n, const found *at, placed *s); /* s is cleared, and gets no controls */
 float ISA(fine_strength)(const fine *n, const found *at);        /* that of the site, which need not be placed for it */
 /* Fills cell and member. */
@@ -376,20 +356,20 @@ uint32_t ISA(crack_number)(const fine *n, int family, int x, int y, int axis);
 int32_t ISA(fine_link)(fine *n);
 /* Adds links, of sites that may be new. */
 int32_t ISA(fine_add_links)(fine *n, uint32_t (*link)[2], uint32_t count);
+/* ends.c: sites behind all others, and with them all cells. */
+int32_t ISA(fine_add_sites)(fine *n, const site *from, uint32_t count);
+/* chains/hidden.c: lines that lie behind things. */
+int32_t ISA(chains_add_hidden)(fine *n);
 /* Leaves the links between kept sites: where a chain was dropped, the one that it met goes on. */
 int32_t ISA(fine_unlink_dropped)(fine *n);
 int32_t ISA(fine_smooth)(fine *n);
 
 /* ties.c: links sites of thin things to cracks, when each are linked. */
 int32_t ISA(fine_tie)(fine *n);
-/* eyes.c: leaves one of two ways round a lone pixel. */
-int32_t ISA(fine_close_eyes)(fine *n);
 /* density.c: bounds the radius of lines between colours, and of light, by the room they have. */
 int32_t ISA(fine_crowd)(fine *n);
-/* rooms.c: likewise of edges of meshes, lines by hand, light, and contours within a thing, beside older lines. */
+/* borders.c: likewise of light beside older lines. */
 int32_t ISA(fine_give_way)(fine *n);
-/* rungs.c: and short folds by what they meet. */
-int32_t ISA(fine_drop_rungs)(fine *n);
 /* slender.c: bounds the radius of lines of thin things, and at tips. */
 int32_t ISA(fine_slender)(fine *n);
 /* ends.c: leads loose ends on to what lies ahead. */
@@ -402,9 +382,6 @@ int32_t ISA(fine_drop_beside)(fine *n);
 bool ISA(picture_agrees)(const fine *n, const site *a, const site *b);
 bool ISA(picture_wedge)(const fine *n, const site *a, const site *b, int rank, float x, float y);
 bool ISA(picture_corner)(const fine *n, const site *a, const site *b, float x, float y);
-
-/* eased.c: evens what contours that meshes tell lack of their width. */
-int32_t ISA(fine_even_eased)(fine *n);
 
 /* forms.c: thins lines of forms out that are short or faint, as wholes, and edges inside small things. */
 int32_t ISA(fine_ease_forms)(fine *n);

@@ -288,9 +288,10 @@ int32_t ISA(fine_gather)(fine *n)
 {
 	frame *f = n->f;
 	size_t count = 0;
-	uint32_t chains = n->chains[0] + n->chains[1];
+	uint32_t chains = chain_sites(n);
 	n->first[FAMILY_CHAIN_SHAPE * f->height] = n->chains[0]; /* they have no rows */
 	n->first[FAMILY_CHAIN_CREASE * f->height] = n->chains[1];
+	n->first[FAMILY_CHAIN_COLOR * f->height] = n->chains[2];
 	for (int i = 0; i < FAMILY_COUNT * f->height; i++) {
 		uint32_t own = n->first[i];
 		n->first[i] = (uint32_t)count;

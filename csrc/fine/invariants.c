@@ -20,11 +20,10 @@ const char *broken_cracks(const fine *n)
 {
 	int width = n->f->width, height = n->f->height;
 	for (int y = 0; y < height; y++)
-		if (n->crack[(ptrdiff_t)y * width + width - 1] &
-		    (CRACK_RIGHT | MARK_RIGHT | CREASE_RIGHT | LIGHT_RIGHT))
+		if (n->crack[(ptrdiff_t)y * width + width - 1] & (CRACK_RIGHT | LIGHT_RIGHT))
 			return "nothing lies right of the last column";
 	for (int x = 0; x < width; x++)
-		if (n->crack[(ptrdiff_t)(height - 1) * width + x] & (CRACK_DOWN | MARK_DOWN | CREASE_DOWN | LIGHT_DOWN))
+		if (n->crack[(ptrdiff_t)(height - 1) * width + x] & (CRACK_DOWN | LIGHT_DOWN))
 			return "nothing lies below the last row";
 	return NULL;
 }
@@ -120,6 +119,7 @@ const char *broken_claims(const fine *n)
 		near_sites of = near_site(n, s, clear_of_older);
 		for (uint32_t j; !joins && near_next(n, &of, &j);)
 			if (!n->site[j].linked.dropped && n->site[j].found.family < s->found.family &&
+			    rank_of(n->site + j) <= rank_of(s) &&
 			    apart2(s, n->site + j) < clear_from(s, n->site + j) * clear_from(s, n->site + j))
 				return "sites keep clear of those of earlier families";
 	}

@@ -293,7 +293,7 @@ static inline const chain_site *chain_of(const fine *n, const site *s)
 /* Whether a line was drawn by hand. */
 static inline bool is_by_hand(const fine *n, const site *s)
 {
-	return s->found.family == FAMILY_MARK || (is_chain(s) && (chain_of(n, s)->kind & ENCRE_CHAIN_MARK));
+	return is_chain(s) && (chain_of(n, s)->kind & ENCRE_CHAIN_MARK);
 }
 
 /* ---- chains ---------------------------------------------------------------------------------------------- */

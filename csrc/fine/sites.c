@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One site: where it lies, how strong it is and where it takes its controls; and all of them, sorted into cells. */
 #include "fine/near.h"
+#include "base/metric.h"
 
 #include <string.h>
 
@@ -122,7 +123,7 @@ bool ISA(fine_weigh_by)(const fine *n, placed *s, float weight, enum source sour
 {
 	const float *controls = controls_at(n->f, pixel_of(s->x, n->f->width), pixel_of(s->y, n->f->height));
 	if (source == SOURCE_COLOR && controls)
-		weight += controls[CONTROL_COLOR_EDGE];
+		weight = painted_weight(n->e, weight, controls[CONTROL_COLOR_EDGE]);
 	float weighted = weight > 0 ? weight * strength : 0;
 	if (weighted > s->strength) {
 		s->strength = weighted < FLT_MAX ? weighted : FLT_MAX;
@@ -131,14 +132,27 @@ bool ISA(fine_weigh_by)(const fine *n, placed *s, float weight, enum source sour
 	return s->strength > 0 && s->strength >= n->e->p->edge_threshold;
 }
 
+void ISA(fine_paint)(const fine *n, placed *s, const float *one, const float *two)
+{
+	float control = ISA(fine_painted)(n, s);
+	float strength =
+		control > 0 ? painted_strength(n->e, control, ISA(metric_ciede2000)(n->e->p->contrast_metric, one, two))
+			    : 0;
+	if (strength > s->strength) {
+		s->strength = strength;
+		s->source = SOURCE_COLOR;
+	}
+}
+
+float ISA(fine_painted)(const fine *n, const placed *s)
+{
+	const float *controls = controls_at(n->f, pixel_of(s->x, n->f->width), pixel_of(s->y, n->f->height));
+	return controls ? controls[CONTROL_COLOR_EDGE] : 0;
+}
+
 static void crack_of(const fine *n, const found *at, placed *s)
 {
 	switch ((enum family)at->family) {
-	case FAMILY_MARK: ISA(hand_site)(n, at, s); break;
-	case FAMILY_CREASE:
-		ISA(crease_site)(n, at, s);
-		s->eased = (uint8_t)(255 - (1 - ISA(valley_beside)(n, at, s)) * (float)(255 - s->eased) + 0.5f);
-		break;
 	case FAMILY_LIGHT: ISA(light_site)(n, at, s); break;
 	default: ISA(crack_site)(n, at, s); ISA(thin_place)(n, at, s);
 	}
@@ -159,7 +173,6 @@ static void junction_site(const fine *n, const found *at, placed *s)
 {
 	float x = 0, y = 0;
 	int count = 0;
-	s->weak = s->told = true;
 	for (int i = 0; i < SIDES; i++) {
 		found one = side_of(at, i);
 		placed its = {0};
@@ -169,8 +182,6 @@ static void junction_site(const fine *n, const found *at, placed *s)
 		x += its.x - (float)at->column;
 		y += its.y - (float)at->row;
 		count++;
-		s->weak &= its.weak;
-		s->told &= its.told;
 		if (its.strength > s->strength) {
 			s->strength = its.strength;
 			s->source = its.source;

@@ -116,16 +116,21 @@ typedef struct capsules {
 	uint8_t (*dry)[8];       /* likewise, what each bristle gives (pen.h); NULL where none is dry */
 	struct strip_end *strip; /* likewise, where it lies in the picture along it (strips.h); NULL: no pen has one */
 	uint32_t count;          /* of sites */
+	uint32_t strokes;        /* how many times a line is drawn at most */
 	uint32_t ends;           /* strokes times sites; ends beyond corners follow */
-	bool moved;              /* ends lie elsewhere than their sites */
-	uint32_t *first;         /* by band of the canvas, and one more: where its list begins */
-	uint32_t (*list)[2];     /* ends of the links that reach into a band; twice the same: a site alone */
+	struct spur *spur;       /* these (turns.h) */
+	uint32_t spurs;
+	bool moved;          /* ends lie elsewhere than their sites */
+	uint32_t *first;     /* by band of the canvas, and one more: where its list begins */
+	uint32_t (*list)[2]; /* ends of the links that reach into a band; twice the same: a site alone */
 } capsules;
 
 /* inked: inks differ. */
 /* tips.c makes them, capsules.c draws them. */
 int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all);
 void ISA(capsules_draw)(const capsules *all, canvas *c);
+/* export.c: tells whoever asks (frame.strokes) of what is drawn; color: of all ink where it is the same. */
+int32_t ISA(capsules_tell)(frame *f, const capsules *all, const float color[3]);
 /* halo.c: covers what lies behind outlines, around these, in the picture. */
 int32_t ISA(halos_draw)(frame *f);
 /* widths.c: evens half the widths at all sites along their lines; another block of memory takes the place of theirs. */
@@ -143,7 +148,24 @@ typedef struct search {
 
 enum { HELD_NONE = UINT16_MAX };
 
-search ISA(search_plan)(frame *f, arena *a);
-int32_t ISA(search_run)(frame *f, search *s); /* fills held, or for NEAREST f->nearest */
+/* Planned by any stage, it is f->search, and NULL for NEAREST, which fills f->nearest; run does nothing twice. */
+void ISA(search_plan)(frame *f, arena *a);
+int32_t ISA(search_run)(frame *f);
+
+/* Whether pixels have edges that search.c holds. */
+static inline bool is_held(const frame *f)
+{
+	return f->params->edge_detector != edge_detector_FINE && f->params->line_search != line_search_EXACT &&
+	       f->params->line_search != line_search_NEAREST;
+}
+
+/* The way from a pixel to the edge held for it, or false. */
+static inline bool held_at(const frame *f, size_t at, int *dx, int *dy)
+{
+	const search *s = f->search;
+	*dx = (s->held[at] & 63) - 32;
+	*dy = (s->held[at] >> 6) - 32;
+	return s->held[at] != HELD_NONE;
+}
 
 #endif

@@ -21,7 +21,7 @@ pens ISA(pens_of)(const frame *f, const encre_params *p)
 	memcpy(s.hand, &p->pen_1_width, sizeof *s.hand);
 	memcpy(s.hand + 1, &p->pen_2_width, sizeof *s.hand);
 	memcpy(s.hand + 2, &p->pen_3_width, sizeof *s.hand);
-#define LINE(kind, id, width) s.of[LINE_##kind] = (uint8_t)p->line_##id##_pen;
+#define LINE(kind, id, ...) s.of[LINE_##kind] = (uint8_t)p->line_##id##_pen;
 	LINES(LINE)
 #undef LINE
 	for (int k = 0; k < LINE_COUNT; k++) {

@@ -124,6 +124,7 @@ static enum line chain_line(const fine *n, const site *s)
 			       : LINE_CONTACT;
 	case SOURCE_NORMAL: return of->kind & ENCRE_CHAIN_MEET ? LINE_INTERSECTION : LINE_CREASE;
 	case SOURCE_MATERIAL: return LINE_MATERIAL;
+	case SOURCE_COLOR: return LINE_COLOR;
 	default: return LINE_MARK;
 	}
 }
@@ -141,12 +142,13 @@ enum line ISA(line_of)(const frame *f, const site *s)
 	case SOURCE_DEPTH:
 		shape = shape_of(f, &s->found, (enum source)s->placed.source);
 		return shape == LINE_CONTACT && goes_on(f, i) ? LINE_OUTLINE : shape;
-	case SOURCE_NORMAL: return ISA(crease_through)(f, &s->found) ? LINE_INTERSECTION : LINE_CREASE;
+	case SOURCE_NORMAL: return LINE_CREASE;
 	case SOURCE_MATERIAL: return LINE_MATERIAL;
 	case SOURCE_COLOR: return LINE_COLOR;
 	case SOURCE_LIGHT: return LINE_LIGHT;
 	case SOURCE_SEEN: return LINE_SEEN;
 	case SOURCE_SUGGESTIVE: return LINE_SUGGESTIVE;
+	case SOURCE_HIDDEN: return LINE_HIDDEN;
 	default: return LINE_MARK;
 	}
 }
@@ -177,7 +179,7 @@ void ISA(line_ink)(const frame *f, const site *made, float ink[3])
 	const placed *s = &made->placed;
 	int x = s->near_x, y = s->near_y;
 	const encre_params *p = params_at(f, x, y);
-#define LINE(kind, id, width) [LINE_##kind] = p->line_##id##_ink,
+#define LINE(kind, id, ...) [LINE_##kind] = p->line_##id##_ink,
 	const float *const kinds[LINE_COUNT] = {LINES(LINE)};
 #undef LINE
 	const float *own = p->ink_by_kind ? kinds[ISA(line_of)(f, made)] : p->ink_color;

@@ -11,7 +11,6 @@ typedef struct lines {
 	canvas canvas; /* y0, y1 unset; planes of thread 0, those of the other threads follow */
 	discs discs;
 	capsules capsules;
-	search search;
 	float color[3]; /* of all ink, where it doesn't differ */
 } lines;
 
@@ -36,6 +35,7 @@ bool ISA(pen_of)(const frame *f, int nx, int ny, enum source source, float stren
 		[SOURCE_MARK] = p->line_mark_width,
 		[SOURCE_SEEN] = p->line_mirror_width,
 		[SOURCE_SUGGESTIVE] = p->line_suggestive_width,
+		[SOURCE_HIDDEN] = p->line_hidden_width,
 	};
 
 	/* bounded before anything that may be 0 is multiplied in: infinity times 0 is no number */
@@ -275,11 +275,8 @@ void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
 /* The offset of the edge found for a pixel, or false. */
 static bool found_at(const lines *l, size_t at, int *dx, int *dy)
 {
-	if (l->search.held) {
-		*dx = (l->search.held[at] & 63) - 32;
-		*dy = (l->search.held[at] >> 6) - 32;
-		return l->search.held[at] != HELD_NONE;
-	}
+	if (is_held(l->f))
+		return held_at(l->f, at, dx, dy);
 	*dx = l->f->nearest[2 * at];
 	*dy = l->f->nearest[2 * at + 1];
 	return *dx != NEAREST_NONE;
@@ -367,7 +364,7 @@ static void plan(frame *f, arena *a)
 		else if (f->params->line_search == line_search_EXACT)
 			made.discs = ISA(discs_plan)(f, a);
 		else
-			made.search = ISA(search_plan)(f, a);
+			ISA(search_plan)(f, a);
 	}
 	f->lines = l;
 	if (l)
@@ -386,7 +383,9 @@ static int32_t run(frame *f)
 		code = ISA(capsules_gather)(f, l->canvas.owner != NULL, &l->capsules);
 	else if (f->any.use_lines)
 		code = f->params->line_search == line_search_EXACT ? ISA(discs_gather)(f, &l->discs)
-								   : ISA(search_run)(f, &l->search);
+								   : ISA(search_run)(f);
+	if (!code && f->strokes && f->any.use_lines && f->fine)
+		code = ISA(capsules_tell)(f, &l->capsules, l->color);
 	if (!code)
 		code = bands_run(f->bands, f->height, BAND, lines_rows, l);
 	if (!code && f->any.use_lines)

@@ -4,6 +4,7 @@
  * the same distance the one in the least row, then in the least column is taken, which is the envelope of parabolas
  * raised by an infinitesimal amount per row, and so holds together. */
 #include "fine/near.h"
+#include "ink/discs.h"
 
 #include <math.h>
 
@@ -176,7 +177,9 @@ static bool nearest_site(const fine *n, int x, int y, float reach, float way[2])
 
 void ISA(nearest_plan)(frame *f, arena *a)
 {
-	if (f->nearest_planned || f->params->edge_detector == edge_detector_FINE)
+	if (is_held(f))
+		ISA(search_plan)(f, a);
+	if (is_held(f) || f->nearest_planned || f->params->edge_detector == edge_detector_FINE)
 		return;
 	size_t width = (size_t)f->width, pixels = width * (size_t)f->height;
 	nearest *n = arena_take(a, 1, sizeof *n),
@@ -194,6 +197,8 @@ void ISA(nearest_plan)(frame *f, arena *a)
 
 int32_t ISA(nearest_run)(frame *f)
 {
+	if (is_held(f))
+		return ISA(search_run)(f);
 	if (!f->nearest_scratch)
 		return ENCRE_OK;
 	job j = {f, f->nearest_scratch};
@@ -209,6 +214,13 @@ bool ISA(nearest_edge)(const frame *f, int x, int y, float reach, float way[2])
 {
 	if (f->fine)
 		return nearest_site(f->fine, x, y, reach, way);
+	if (is_held(f)) {
+		int dx, dy;
+		bool held = held_at(f, (size_t)y * (size_t)f->width + (size_t)x, &dx, &dy);
+		way[0] = (float)dx;
+		way[1] = (float)dy;
+		return held;
+	}
 	const int16_t *to = f->nearest + 2 * ((ptrdiff_t)y * f->width + x);
 	way[0] = to[0];
 	way[1] = to[1];

@@ -155,11 +155,13 @@ static spot spot_of(const frame *f, const site *s)
 	return at;
 }
 
-/* Of a line that chains tell: on the surface that it is of, whatever passes in front of it or touches it. */
+/* Of a line that chains tell: on the surface that it is of, whatever passes in front of it, touches it, or shows behind
+ * it: of one thing, too, as the inside of a car through its window. */
 static spot spot_on(const frame *f, const site *s)
 {
 	int x = s->placed.near_x, y = s->placed.near_y;
 	float left = floorf(s->placed.x), top = floorf(s->placed.y), sum = 0, own = object_at(f, x, y);
+	float depth = depth_at(f, x, y), apart = one_surface * fabsf(depth);
 	spot at = {0};
 	if (!f->layer[ENCRE_LAYER_ANCHOR].data || !(anchor_at(f, x, y)[ANCHOR_PIXEL] > 0))
 		return spot_of(f, s);
@@ -169,7 +171,8 @@ static spot spot_on(const frame *f, const site *s)
 		const float *anchor = anchor_at(f, px, py);
 		float dx = s->placed.x - (float)px, dy = s->placed.y - (float)py;
 		float weight = k < 4 ? clamp01(1 - fabsf(dx)) * clamp01(1 - fabsf(dy)) : 1e-3f;
-		if (object_at(f, px, py) != own || !(anchor[ANCHOR_PIXEL] > 0) || !(weight > 0))
+		bool same = object_at(f, px, py) == own && fabsf(depth_at(f, px, py) - depth) <= apart;
+		if (!same || !(anchor[ANCHOR_PIXEL] > 0) || !(weight > 0))
 			continue;
 		add_place(anchor, dx, dy, weight, &at);
 		at.unit += weight * anchor[ANCHOR_PIXEL];

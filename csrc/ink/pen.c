@@ -18,6 +18,9 @@ enum {
 	SEEDS = 16
 };
 
+/* Of the streaks that bristles leave, about, in units of length. */
+static const float streak_length = 33;
+
 bool ISA(pen_varies)(const hand *h)
 {
 	return h->pen_pressure > 0 || h->pen_wobble > 0 || h->pen_rough > 0 || h->pen_gaps > 0 || h->pen_dry > 0 ||
@@ -34,9 +37,13 @@ USE(pressure, pen_pressure, pen_pressure_length)
 USE(wobble, pen_wobble, pen_wobble_length)
 USE(rough, pen_rough, pen_rough_length)
 USE(gaps, pen_gaps, pen_gaps_length)
-USE(dry, pen_dry, pen_dry_length)
 USE(overshoot, pen_overshoot, pen_overshoot)
 #undef USE
+
+static float dry_of(const hand *h)
+{
+	return h->pen_dry > 0 ? streak_length : 0;
+}
 
 /* Noise of one seed and, as far as it boils, of the seed of now, of variance 1 together. */
 static void boil_row(const strokes *s, int n, const float *length, uint32_t *seed, float *noise)
@@ -100,12 +107,9 @@ static float least_of(float gaps)
 static void dry_row(const strokes *s, int n, touch *t)
 {
 	float flow[SPAN], streak[SPAN];
-	int most = 0;
 	if (!noise_row(s, n, dry_of, 6, SEED_FLOW, flow))
 		return;
-	for (int i = 0; i < n; i++)
-		most = s->hand[i]->pen_dry > 0 && s->hand[i]->pen_bristles > most ? s->hand[i]->pen_bristles : most;
-	for (int k = 0; k < most; k++) {
+	for (int k = 0; k < STREAKS; k++) {
 		noise_row(s, n, dry_of, 1, SEED_BRISTLE + k, streak);
 		for (int i = 0; i < n; i++) {
 			float dry = s->hand[i]->pen_dry * (1 + 0.6f * flow[i]);

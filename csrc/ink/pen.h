@@ -6,27 +6,25 @@
 #include "fine/fine.h"
 #include "ink/noise.h"
 
-/* LINE(KIND, id, width): the parameters line_<id>_pen and line_<id>_ink, and which line_<width>_width it reads; kinds.c
- * has factors on that.
- *   OUTLINE       a jump in depth to another object, or to nothing
- *   CONTACT       another object at continuous depth (times line_contact_width)
- *   INNER         a jump in depth within an object
- *   CREASE        a bend
- *   INTERSECTION  where pieces of a mesh pass through each other (times line_intersection_width)
- *   SUGGESTIVE    where a smooth form nearly turns away
- * An outline that only its depth tells (line_outline_strength 0) reads line_inner_width. */
+/* LINE(KIND, id, width, label): the parameters line_<id>_pen and line_<id>_ink, and which line_<width>_width it reads;
+ * kinds.c has factors on that. OUTLINE       a jump in depth to another object, or to nothing CONTACT       another
+ * object at continuous depth (times line_contact_width) INNER         a jump in depth within an object CREASE        a
+ * bend INTERSECTION  where pieces of a mesh pass through each other (times line_intersection_width) SUGGESTIVE    where
+ * a smooth form nearly turns away An outline that only its depth tells (line_outline_strength 0) reads
+ * line_inner_width. */
 #define LINES(LINE)                                                                                                    \
-	LINE(OUTLINE, outline, outline)                                                                                \
-	LINE(CONTACT, contact, outline)                                                                                \
-	LINE(INNER, inner, inner)                                                                                      \
-	LINE(CREASE, crease, crease)                                                                                   \
-	LINE(INTERSECTION, intersection, crease)                                                                       \
-	LINE(MATERIAL, material, material)                                                                             \
-	LINE(COLOR, color, color)                                                                                      \
-	LINE(LIGHT, shadow, shadow)                                                                                    \
-	LINE(SEEN, mirror, mirror)                                                                                     \
-	LINE(SUGGESTIVE, suggestive, suggestive)                                                                       \
-	LINE(MARK, mark, mark)
+	LINE(OUTLINE, outline, outline, "Outlines")                                                                    \
+	LINE(CONTACT, contact, outline, "Contacts")                                                                    \
+	LINE(INNER, inner, inner, "Inner Lines")                                                                       \
+	LINE(CREASE, crease, crease, "Creases")                                                                        \
+	LINE(INTERSECTION, intersection, crease, "Intersections")                                                      \
+	LINE(MATERIAL, material, material, "Materials")                                                                \
+	LINE(COLOR, color, color, "Colors")                                                                            \
+	LINE(LIGHT, shadow, shadow, "Shadow Edges")                                                                    \
+	LINE(SEEN, mirror, mirror, "Mirror Lines")                                                                     \
+	LINE(SUGGESTIVE, suggestive, suggestive, "Folds")                                                              \
+	LINE(MARK, mark, mark, "Marks")                                                                                \
+	LINE(HIDDEN, hidden, hidden, "Hidden Lines")
 
 #define LINE(kind, ...) LINE_##kind,
 enum line { LINES(LINE) LINE_COUNT };
@@ -34,7 +32,7 @@ enum line { LINES(LINE) LINE_COUNT };
 
 /* ---- pens ------------------------------------------------------------------------------------------------ */
 
-enum { PENS = 3, BRISTLES = 8, STROKES = 4 };
+enum { PENS = 3, BRISTLES = 8 /* that a byte each has room for */, STREAKS = 6 /* that are used */, STROKES = 4 };
 
 /* One pen's rows, as parameters have them. */
 #define FLOAT(id, ...) float id;

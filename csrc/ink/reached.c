@@ -30,7 +30,6 @@ static void enter(const frame *f, const capsules *all, uint32_t a, uint32_t b, u
  * sites, whatever the threads. */
 typedef struct listing {
 	const frame *f;
-	const turns *t;
 	const capsules *all;
 	size_t bands;
 	uint32_t pieces; /* of a stroke */
@@ -45,11 +44,11 @@ static void enter_pieces(void *data, int first, int end, int thread)
 	for (uint32_t p = (uint32_t)first; p < (uint32_t)end; p++) {
 		uint32_t stroke = p / l->pieces, from = stroke * n->count, i = p % l->pieces * CHUNK, spur = 0,
 			 last = n->count - i < CHUNK ? n->count : i + CHUNK, *next = l->next + p * l->bands;
-		while (spur < l->t->spurs && l->t->spur[spur].site < i)
+		while (spur < l->all->spurs && l->all->spur[spur].site < i)
 			spur++;
 		for (; i < last && !stopped_at(n, (int)i); i++) {
-			for (; spur < l->t->spurs && l->t->spur[spur].site == i; spur++) {
-				uint32_t to = (uint32_t)spur_end(l->all, l->t, stroke, spur);
+			for (; spur < l->all->spurs && l->all->spur[spur].site == i; spur++) {
+				uint32_t to = (uint32_t)spur_end(l->all, stroke, spur);
 				if (l->all->end[to].reach > 0)
 					enter(l->f, l->all, from + i, to, next);
 			}
@@ -64,11 +63,10 @@ static void enter_pieces(void *data, int first, int end, int thread)
 	}
 }
 
-int32_t ISA(capsules_list)(frame *f, const turns *t, uint32_t strokes, capsules *all)
+int32_t ISA(capsules_list)(frame *f, uint32_t strokes, capsules *all)
 {
 	const fine *n = f->fine;
 	listing l = {.f = f,
-		     .t = t,
 		     .all = all,
 		     .bands = (size_t)(f->height - 1) / BAND + 1,
 		     .pieces = (n->count + CHUNK - 1) / CHUNK};

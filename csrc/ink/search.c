@@ -246,14 +246,16 @@ static int32_t walk_all(job *j)
 
 /* ---- what the stage calls -------------------------------------------------------------------------------- */
 
-search ISA(search_plan)(frame *f, arena *a)
+void ISA(search_plan)(frame *f, arena *a)
 {
-	search s = {0};
+	search s = {0}, *made;
 	size_t width = (size_t)f->width, pixels = width * (size_t)f->height;
-	if (f->params->line_search == line_search_NEAREST) {
+	if (f->params->line_search == line_search_NEAREST)
 		ISA(nearest_plan)(f, a);
-		return s;
-	}
+	if (f->params->line_search == line_search_NEAREST || f->search_planned)
+		return;
+	f->search_planned = true;
+	f->search = made = arena_take(a, 1, sizeof *made);
 	s.held = arena_take(a, pixels, sizeof(uint16_t));
 	s.next = arena_take(a, pixels, sizeof(uint16_t));
 	if (f->params->line_search == line_search_WALK) {
@@ -262,17 +264,20 @@ search ISA(search_plan)(frame *f, arena *a)
 		s.column = arena_take(a, column_size(f) * (size_t)bands_threads(f->bands), sizeof(float));
 		s.rows = arena_take(a, (width + 2 * STEPS) * (size_t)bands_threads(f->bands), sizeof(uint8_t));
 	}
-	return s;
+	if (made)
+		*made = s;
 }
 
-int32_t ISA(search_run)(frame *f, search *s)
+int32_t ISA(search_run)(frame *f)
 {
-	job j = {.f = f, .s = s};
-	switch (f->params->line_search) {
-	case line_search_NEAREST: return ISA(nearest_run)(f);
-	case line_search_WALK: return walk_all(&j);
-	default: break;
-	}
+	job j = {.f = f, .s = f->search};
+	if (f->params->line_search == line_search_NEAREST)
+		return ISA(nearest_run)(f);
+	if (f->search_done)
+		return ENCRE_OK;
+	f->search_done = true;
+	if (f->params->line_search == line_search_WALK)
+		return walk_all(&j);
 	int32_t code = bands_run(f->bands, f->height, 0, own_rows, &j);
 	return code ? code : hold_nearest(&j, STEPS);
 }

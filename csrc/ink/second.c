@@ -256,7 +256,8 @@ static void take_ink(void *data, int first, int end, int thread)
 		for (int k = 0; k < 3; k++)
 			c->ink[i][k] = blend(c->ink[i][k], p->ink_dark_color[k], share * min(1, blunt * full));
 		full *= e->out > 0 ? max(wide, min(1, 0.5f / e->out)) : 1; /* none gets thinner than a pixel */
-		full *= is_colored(c->n->site + i) ? p->ink_dark_colors : 1;
+		if (is_colored(c->n->site + i))                            /* but what somebody painted stays */
+			full *= mix(p->ink_dark_colors, 1, clamp01(ISA(fine_painted)(c->n, s)));
 		full *= clamp01((2 * e->out * full - hair) / (1 - hair));
 		e->out *= mix(1, full, share); /* its reach is no less */
 		e->fade *= mix(1, full, share);

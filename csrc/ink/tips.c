@@ -139,7 +139,7 @@ static void finish(const frame *f, const site *made, const hand *h, float radius
 	if (t) {
 		e->x += t->dx;
 		e->y += t->dy;
-		e->bristles = h->pen_dry > 0 ? (uint32_t)h->pen_bristles : 0;
+		e->bristles = h->pen_dry > 0 ? STREAKS : 0;
 	}
 	e->out = lift * filled * s->half + radius;
 	e->fade *= radius;
@@ -289,8 +289,8 @@ static const float most_beyond = 0.2f;
 static void go_on(const gather *g, uint32_t k)
 {
 	static const float lifted = 0.35f;
-	const spur *s = g->turns.spur + k;
-	size_t from = (size_t)g->stroke * g->n->count + s->site, to = spur_end(g->all, &g->turns, g->stroke, k);
+	const spur *s = g->all->spur + k;
+	size_t from = (size_t)g->stroke * g->n->count + s->site, to = spur_end(g->all, g->stroke, k);
 	pen_end *e = g->all->end + to;
 	*e = g->all->end[from];
 	float far = min(g->farther[s->site], most_beyond * s->room);
@@ -327,7 +327,7 @@ static int32_t make_stroke(gather *g, uint32_t stroke)
 		code = bands_run(f->bands, (int)g->n->count, CHUNK, finish_pens, g);
 	if (!code && g->second)
 		code = ISA(second_ink)(f, g->end, g->all->ink + (size_t)stroke * g->n->count);
-	for (uint32_t k = 0; !code && k < g->turns.spurs; k++)
+	for (uint32_t k = 0; !code && k < g->all->spurs; k++)
 		go_on(g, k);
 	late_drop(&f->late, g->radius);
 	return code;
@@ -412,6 +412,9 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 	if (ends > UINT32_MAX)
 		return ENCRE_ERROR_MEMORY;
 	all->count = n->count;
+	all->spur = g.turns.spur;
+	all->spurs = g.turns.spurs;
+	all->strokes = g.strokes;
 	all->ends = g.strokes * n->count;
 	g.farther = g.turns.spurs ? late_take(&f->late, n->count, sizeof *g.farther) : NULL;
 	all->moved = moved;
@@ -433,5 +436,5 @@ int32_t ISA(capsules_gather)(frame *f, bool inked, capsules *all)
 			return code;
 	}
 	code = make_strokes(&g);
-	return code ? code : ISA(capsules_list)(f, &g.turns, g.strokes, all);
+	return code ? code : ISA(capsules_list)(f, g.strokes, all);
 }

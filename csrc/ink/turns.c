@@ -156,7 +156,12 @@ static uint32_t spurs_at(const finding *g, uint32_t i, spur *at)
 		if (!ends)
 			continue;
 		if (at)
-			at[count] = (spur){i, way[k].last, -way[k].dx, -way[k].dy, room_of(g, i, n->to[n->at[i] + k])};
+			at[count] = (spur){.site = i,
+					   .over = n->to[n->at[i] + k],
+					   .back = way[k].last,
+					   .dx = -way[k].dx,
+					   .dy = -way[k].dy,
+					   .room = room_of(g, i, n->to[n->at[i] + k])};
 		count++;
 	}
 	return count;

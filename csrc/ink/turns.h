@@ -8,7 +8,8 @@
 
 /* A stroke that comes to a corner goes on from its site. */
 typedef struct spur {
-	uint32_t site, back; /* where it ends; on the line before that, as far as its way was told by */
+	uint32_t site, over; /* where it ends, and the site of its line before that */
+	uint32_t back;       /* likewise, as far as its way was told by */
 	float dx, dy;        /* its way, of length 1 */
 	float room;          /* pixels that the line is long before it, at most what was asked for */
 } spur;
@@ -31,13 +32,13 @@ uint32_t ISA(onward)(const fine *n, uint32_t from, uint32_t i);
 int32_t ISA(curves_find)(frame *f, turns *t);
 
 /* Where the end of a stroke's k-th spur is among all ends: behind those of sites. */
-static inline size_t spur_end(const capsules *all, const turns *t, uint32_t stroke, uint32_t k)
+static inline size_t spur_end(const capsules *all, uint32_t stroke, uint32_t k)
 {
-	return (size_t)all->ends + (size_t)stroke * t->spurs + k;
+	return (size_t)all->ends + (size_t)stroke * all->spurs + k;
 }
 
 /* reached.c: which links, and ends of spurs, reach into which band of rows. */
-int32_t ISA(capsules_list)(frame *f, const turns *t, uint32_t strokes, capsules *all);
+int32_t ISA(capsules_list)(frame *f, uint32_t strokes, capsules *all);
 
 /* Where a site lies in the dashes along its line. */
 typedef struct beat {

@@ -131,7 +131,7 @@ static bool take_lamp(light *l, int32_t i)
 	/* what fills half of the sky has no middle where a sharp shadow would end */
 	bool wide = l->lamp.type == ENCRE_SUN && l->lamp.open > 0.99f;
 	l->soft = l->lamp.soft && (wide || !l->job->sharp);
-	l->lamp.shadows &= !(wide && l->job->sharp);
+	l->lamp.shadows &= !(wide && l->job->sharp) && !l->job->unshadowed;
 	l->shines = l->job->specular.data && l->job->shine.data && !given.matt;
 	return true;
 }

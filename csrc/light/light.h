@@ -50,8 +50,8 @@ typedef struct light {
 	float *cut;   /* two each: where on the ways to the right and down an edge passes, negative: nowhere */
 	float *asked; /* of lamps with a size: what the first points of a pixel say, see soft.c */
 	float *spare; /* shares while they are smoothed */
-	float *exact; /* 1: the share is that of an edge whose place is known; by_line; negative: few points were asked
-		       */
+	float *exact; /* 1: the share is that of an edge whose place is known; by_line; negative: few points were asked,
+		       * and agree with those about */
 	float *sum;   /* three each: the light of all lamps so far */
 	double clip[16]; /* world -> clip */
 	lamp lamp;
@@ -193,6 +193,14 @@ typedef struct edge_line {
 } edge_line;
 
 bool ISA(edge_at)(const light *l, int x, int y, edge_line *e);
+
+/* The lamp's light at a pixel, as a part of it and of what the world and the lamps before it give there. */
+static inline float part_of(const light *l, ptrdiff_t i)
+{
+	const float *sum = l->sum + 3 * i, *color = l->lamp.color;
+	float own = l->plain[i] * max(max(color[0], color[1]), color[2]), before = max(max(sum[0], sum[1]), sum[2]);
+	return own / (own + before);
+}
 
 static inline int core_at(const light *l, ptrdiff_t i)
 {

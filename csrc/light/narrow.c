@@ -39,7 +39,7 @@ static void core_rows(void *data, int y0, int y1, int thread)
 	ptrdiff_t pixel[PACK] = {0};
 	ask.count = 0;
 	for (ptrdiff_t i = (ptrdiff_t)y0 * l->width; i < (ptrdiff_t)y1 * l->width && !bands_stopped(l->bands); i++) {
-		if (l->exact[i] < 0)
+		if (l->exact[i] < 0 || l->asked[i] == UNASKED)
 			continue;
 		pixel[ask.count] = i;
 		ISA(ask_add)(&ask, l->surfaces + i, &l->points.middle, 0);
@@ -236,7 +236,7 @@ static void narrow_rows(void *data, int y0, int y1, int thread)
 		int own = core_at(l, i);
 		edge_line e;
 		float wide;
-		if (l->exact[i] < 0)
+		if (l->exact[i] < 0 || l->asked[i] == UNASKED)
 			continue;
 		l->spare[i] = 0;
 		if (!own)

@@ -49,6 +49,9 @@ const encre_operation_description *operation_info(int32_t code);
 int operation_count(void);
 bool operation_jumps(int32_t code);
 
+/* Writes the levels of detail behind the first one of a picture of bytes, which are these. */
+void picture_levels(const encre_picture *t, uint8_t *bytes);
+
 /* Runs a block's program: of its operations those that are wanted. With `reach` the middle's, and tells of jumps. */
 void ISA(material_run)(block *b);
 /* Computes a job's outputs. Returns ENCRE_OK, ENCRE_ERROR_MEMORY or ENCRE_ERROR_CANCELLED. */

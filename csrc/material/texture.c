@@ -14,22 +14,57 @@ static int along(int i, int n, int wrap)
 	return wrap == ENCRE_REPEAT ? wrap_index(i, n) : clamp_index(i, n);
 }
 
-/* Adds `share` of the colour at u, v of one level, whose texels are width x height. */
-static void add_level(const float *texels, int width, int height, int wrap, float u, float v, float share, float sum[4])
+/* Between the four texels around a place. */
+typedef struct between {
+	size_t number[4];
+	float share[4];
+} between;
+
+static void add_floats(const encre_picture *t, const between *w, float share, float sum[4])
+{
+	for (int k = 0; k < 4; k++)
+		for (int c = 0; c < 4; c++)
+			sum[c] += share * w->share[k] * t->texels[4 * w->number[k] + (size_t)c];
+}
+
+/* Codes are mixed, and their mean made light, as renderers do. */
+static void add_bytes(const encre_picture *t, const between *w, float share, float sum[4])
+{
+	float code[3] = {0}, alpha = 0, whole = 0;
+	for (int k = 0; k < 4; k++) {
+		const uint8_t *texel = t->bytes + 4 * w->number[k];
+		float its = w->share[k] * (float)texel[3], part = t->straight ? its : w->share[k];
+		for (int c = 0; c < 3; c++)
+			code[c] += part * (float)texel[c];
+		alpha += its;
+		whole += part;
+	}
+	alpha *= 1 / 255.0f;
+	for (int c = 0; c < 3 && whole > 0; c++) {
+		float mean = min(code[c] / whole, 255);
+		int k = mean < 254 ? (int)mean : 254;
+		sum[c] += share * (t->straight ? alpha : 1) * mix(t->curve[k], t->curve[k + 1], mean - (float)k);
+	}
+	sum[3] += share * alpha;
+}
+
+/* Adds `share` of the colour at u, v of one level, whose texels are width x height behind `first` others. */
+static void add_level(const encre_picture *t, size_t first, int width, int height, float u, float v, float share,
+		      float sum[4])
 {
 	float x = u * (float)width - 0.5f, y = v * (float)height - 0.5f;
 	float left = floorf(x), low = floorf(y), right = x - left, up = y - low;
 	int columns[2], rows[2];
+	between w;
 	for (int k = 0; k < 2; k++) {
-		columns[k] = along((int)left + k, width, wrap);
-		rows[k] = along((int)low + k, height, wrap);
+		columns[k] = along((int)left + k, width, t->wrap);
+		rows[k] = along((int)low + k, height, t->wrap);
 	}
 	for (int k = 0; k < 4; k++) {
-		float part = share * (k & 1 ? right : 1 - right) * (k & 2 ? up : 1 - up);
-		const float *texel = texels + 4 * ((size_t)rows[k >> 1] * (size_t)width + (size_t)columns[k & 1]);
-		for (int c = 0; c < 4; c++)
-			sum[c] += part * texel[c];
+		w.number[k] = first + (size_t)rows[k >> 1] * (size_t)width + (size_t)columns[k & 1];
+		w.share[k] = (k & 1 ? right : 1 - right) * (k & 2 ? up : 1 - up);
 	}
+	(t->texels ? add_floats : add_bytes)(t, &w, share, sum);
 }
 
 static void add_probe(const encre_picture *t, float level, float u, float v, float share, float sum[4])
@@ -44,15 +79,15 @@ static void add_probe(const encre_picture *t, float level, float u, float v, flo
 	v = clamp01(v);
 	int whole = (int)level;
 	float rest = level - (float)whole;
-	const float *texels = t->texels;
+	size_t first = 0;
 	int width = t->width, height = t->height;
 	for (int k = 0; k <= whole + 1 && k < t->levels; k++) {
 		float part = k == whole ? 1 - rest : k == whole + 1 ? rest : 0;
 		if (k == t->levels - 1 && k <= whole)
 			part = 1;
 		if (part > 0)
-			add_level(texels, width, height, t->wrap, u, v, share * part, sum);
-		texels += (size_t)4 * (size_t)width * (size_t)height;
+			add_level(t, first, width, height, u, v, share * part, sum);
+		first += (size_t)width * (size_t)height;
 		width = width > 1 ? width / 2 : 1;
 		height = height > 1 ? height / 2 : 1;
 	}

@@ -137,8 +137,6 @@ void geometry_aim(geometry *g)
 		multiply(camera, view, part->screen);
 		part->spots = NULL;
 		part->span = 0;
-		part->topology = NULL;
-		part->bends = NULL;
 		part->mesh = mesh;
 		part->first = first;
 		cofactors(mesh->model, part->turn);

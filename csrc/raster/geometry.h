@@ -19,8 +19,6 @@ typedef struct part {
 	double shift[3]; /* likewise: of a copy, added to rest positions there */
 	double card[4];  /* with the output `card`: its origin on the screen, its growth per pixel to the right */
 	spot *spots;     /* of triangles: spots_find()'s, by point */
-	const struct topology *topology; /* of triangles, with marks or creases only: kept_find()'s, */
-	const uint16_t *bends;           /* and with creases only what contours_bends() says */
 } part;
 
 typedef struct geometry {

@@ -58,22 +58,6 @@ static inline bool usable(const corner *c)
 	return fabs(c->x) + fabs(c->y) + fabs(c->w) + fabs(c->z) < 1e60;
 }
 
-bool outline_clip(const room *r, corner c[2])
-{
-	if (!usable(c) || !usable(c + 1))
-		return false;
-	for (int plane = 0; plane < CLIP_COUNT; plane++) {
-		double s = side(r, plane, c), t = side(r, plane, c + 1);
-		if (s < 0 && t < 0)
-			return false;
-		if (s < 0)
-			c[0] = cut(c + 1, c, t, s);
-		else if (t < 0)
-			c[1] = cut(c, c + 1, s, t);
-	}
-	return c[0].w > 0 && c[1].w > 0;
-}
-
 /* Returns the number of corners left. A sliver within rounding of a plane, which may cross it any number of times, is
  * dropped when there is no room for it. */
 static int clip(const room *r, corner *a, int n)
@@ -371,16 +355,6 @@ void outline_growth(const corner c[3], double x, double y, double share[3], doub
 	}
 }
 
-double outline_depth(const corner c[3], double x, double y, double *step)
-{
-	depth_plane p = plane_of(c, x, y);
-	double nearest = fmin(c[0].z, fmin(c[1].z, c[2].z)), farthest = fmax(c[0].z, fmax(c[1].z, c[2].z));
-	double z = p.n[2] / p.d[2];
-	double slope = (fabs(p.n[0] - z * p.d[0]) + fabs(p.n[1] - z * p.d[1])) / fabs(p.d[2]);
-	*step = slope < farthest - nearest ? slope : farthest - nearest; /* of one seen on its edge it is no number */
-	return z > nearest ? z < farthest ? z : farthest : nearest;
-}
-
 static inline double plane_depth(const depth_plane *p, double x, double y)
 {
 	return (p->n[0] * x + p->n[1] * y + p->n[2]) / (p->d[0] * x + p->d[1] * y + p->d[2]);
@@ -393,22 +367,4 @@ bool outline_same_plane(const corner one[3], const corner other[3], double x, do
 	for (int k = 0; k < 3; k++)
 		same = same && fabs(plane_depth(&p, k == 1, k == 2) - plane_depth(&q, k == 1, k == 2)) <= close;
 	return same;
-}
-
-double outline_plane(const corner c[3], double x, double y)
-{
-	depth_plane p = plane_of(c, x, y);
-	return plane_depth(&p, 0, 0);
-}
-
-double outline_cross(const double one[2], const double other[2], bool perspective)
-{
-	double first = other[0] - one[0], second = one[1] - other[1];
-	if (perspective) { /* 1 / z is even along the way */
-		first /= one[0] * other[0];
-		second /= one[1] * other[1];
-	}
-	first = first > 0 ? first : 0;
-	second = second > 0 ? second : 0;
-	return first / (first + second);
 }

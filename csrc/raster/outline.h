@@ -79,19 +79,7 @@ void outline_shares(const corner corner[3], double x, double y, double *second, 
 /* Shares of all three corners there, and their growth per pixel to the right and down, which has no bounds, or is 0,
  * where the triangle is seen on its edge. */
 void outline_growth(const corner corner[3], double x, double y, double share[3], double right[3], double down[3]);
-/* Depth of the triangle's plane at a place in pixels of the full frame, kept between the depths of its corners, and in
- * *step by how much it changes from there to a neighbouring pixel. */
-double outline_depth(const corner corner[3], double x, double y, double *step);
-/* Depth of the triangle's plane at a place in pixels of the full frame; any number, or none, of one seen on its edge.
- */
-double outline_plane(const corner corner[3], double x, double y);
-/* Depths at two places of two surfaces, the first of which is before the other at the first place and behind it at the
- * second, give the share of the way after which they cross. */
-double outline_cross(const double one[2], const double other[2], bool perspective);
 /* Whether the planes of two triangles, at a place in pixels of the full frame and a pixel beside it, are at most
  * `close` apart along the view axis. */
 bool outline_same_plane(const corner one[3], const corner other[3], double x, double y, double close);
-/* Shortens a line to what lies in the room, not clipped to the images; false if nothing does, or it is not finite. */
-bool outline_clip(const room *room, corner corner[2]);
-
 #endif

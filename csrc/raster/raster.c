@@ -4,19 +4,12 @@
  * Primitives are sorted into bands of rows once (counted, summed up, filed), so that every band holds its primitives in
  * the order of the job whatever the threads. A band then finds the nearest primitive of each pixel in a buffer that
  * stays in cache, and only these are shaded: attributes, normals and indices are never computed for what is hidden.
- * Where lines and contours pass is then looked up in the same buffer (crossings.c), which holds one row more for the
- * ways down from the last.
  * Points are brought onto the screen once (spots.c). Where primitives lie is geometry.c's, what one covers
  * outline.c's. */
 #include "raster/raster.h"
 
 #include "raster/anchors.h"
 #include "raster/cards.h"
-#include "raster/bevels.h"
-#include "raster/contours.h"
-#include "raster/crossings.h"
-#include "raster/flush.h"
-#include "raster/meets.h"
 #include "raster/spots.h"
 
 #include <float.h>
@@ -32,23 +25,16 @@ enum {
 /* Rows of the images, from which on and up to which exclusively, that a primitive is drawn in; false: none. */
 static bool rows_of(const raster *r, const part *part, uint32_t primitive, int *y0, int *y1)
 {
-	bool line = part->mesh->kind != ENCRE_TRIANGLES;
 	outline o;
-	*y0 = INT32_MAX;
-	*y1 = INT32_MIN;
-	if (!line &&
-	    geometry_outline(part, primitive, &r->room, &o)) { /* with marks it is there for the band above as well */
-		*y0 = o.y0 - r->room.y0 - r->more;
-		*y1 = o.y1 - r->room.y0;
-	}
-	if (r->edges)
-		crossings_rows(r, part, primitive, y0, y1);
-	*y0 = *y0 > 0 ? *y0 : 0;
-	*y1 = *y1 < r->height ? *y1 : r->height;
+	if (part->mesh->kind != ENCRE_TRIANGLES || !geometry_outline(part, primitive, &r->room, &o))
+		return false;
+	*y0 = o.y0 > r->room.y0 ? o.y0 - r->room.y0 : 0;
+	*y1 = o.y1 < r->room.y1 ? o.y1 - r->room.y0 : r->height;
 	return *y0 < *y1;
 }
 
-bool raster_coincide(const void *user, uint32_t one, uint32_t other, int column, int row)
+/* As outline_coincide. */
+static bool coincide(const void *user, uint32_t one, uint32_t other, int column, int row)
 {
 	const raster *r = user;
 	const part *part = geometry_part(&r->geometry, NULL, one);
@@ -240,7 +226,7 @@ static void clear_twins(const raster *r, const band *b)
 	for (int row = b->y0; row < b->y1; row++)
 		for (int x = 0; x < r->width; x++) {
 			size_t at = (size_t)(row - b->y0) * (size_t)r->width + (size_t)x;
-			if (b->twin[at] != NOTHING && !raster_coincide(r, b->front[at], b->twin[at], b->x0 + x, row))
+			if (b->twin[at] != NOTHING && !coincide(r, b->front[at], b->twin[at], b->x0 + x, row))
 				b->twin[at] = NOTHING;
 		}
 }
@@ -258,7 +244,7 @@ static void load_beyond(const raster *r, const band *b, float *out)
 static void draw_bands(void *data, int b0, int b1, int thread)
 {
 	const raster *r = data;
-	size_t size = (size_t)(BAND + 1) * (size_t)r->width;
+	size_t size = (size_t)BAND * (size_t)r->width;
 	for (int i = b0; i < b1; i++) {
 		band b = {.x0 = r->room.x0,
 			  .x1 = r->room.x1,
@@ -268,10 +254,10 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 			  .twin = r->twin + (size_t)thread * size,
 			  .beyond = r->beyond ? r->beyond + (size_t)thread * size : NULL,
 			  .close = r->close,
-			  .coincide = raster_coincide,
+			  .coincide = coincide,
 			  .user = r};
 		int end = r->room.y1 - b.y0 < BAND ? r->room.y1 : b.y0 + BAND;
-		b.y1 = end < r->room.y1 ? end + r->more : end;
+		b.y1 = end;
 		if (r->beyond)
 			load_beyond(r, &b, r->beyond + (size_t)thread * size);
 		for (size_t k = 0; k < size; k++) {
@@ -282,17 +268,12 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 		for (size_t k = r->list[i]; k < r->list[i + 1] && !bands_stopped(r->pool); k++) {
 			outline o;
 			part = geometry_part(&r->geometry, part, r->entry[k]);
-			if (part->mesh->kind == ENCRE_TRIANGLES &&
-			    geometry_outline(part, r->entry[k] - part->first, &r->room, &o))
+			if (geometry_outline(part, r->entry[k] - part->first, &r->room, &o))
 				outline_draw(&o, r->entry[k], &b);
 		}
 		clear_twins(r, &b);
 		for (int row = b.y0; row < end && !bands_stopped(r->pool); row++)
 			shade_row(r, &b, row);
-		if (r->edges)
-			crossings_draw(r, i, &b, end, r->flush ? r->flush + thread : NULL);
-		if (r->meets)
-			meets_draw(r, i, &b, end, r->meets + thread);
 	}
 }
 
@@ -300,24 +281,19 @@ static void draw_bands(void *data, int b0, int b1, int thread)
 
 static void plan(raster *r, int threads, arena *a)
 {
-	size_t band = (size_t)threads * (BAND + 1) * (size_t)r->width;
+	size_t band = (size_t)threads * BAND * (size_t)r->width;
 	r->geometry.parts = arena_take(a, (size_t)r->job->n_meshes, sizeof *r->geometry.parts);
 	r->range = arena_take(a, r->geometry.n_primitives, sizeof *r->range);
 	r->place = arena_take(a, (size_t)r->n_chunks * (size_t)r->n_bands, sizeof *r->place);
 	r->list = arena_take(a, (size_t)r->n_bands + 1, sizeof *r->list);
 	r->spots = arena_take(a, r->geometry.n_points, sizeof *r->spots);
-	r->edges = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->edges) : NULL;
-	r->faces = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->faces) : NULL;
-	r->piece = r->more ? arena_take(a, r->geometry.n_primitives, sizeof *r->piece) : NULL;
-	r->meets = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->meets) : NULL;
-	r->flush = r->job->creases.data ? arena_take(a, (size_t)threads, sizeof *r->flush) : NULL;
 	r->depth = arena_take(a, band, sizeof *r->depth);
 	r->beyond = r->job->beyond.data ? arena_take(a, band, sizeof *r->beyond) : NULL;
 	r->front = arena_take(a, band, sizeof *r->front);
 	r->twin = arena_take(a, band, sizeof *r->twin);
 }
 
-static int32_t run(bands *pool, raster *r, raster_kept **kept)
+static int32_t run(bands *pool, raster *r)
 {
 	int32_t code;
 	geometry_aim(&r->geometry);
@@ -328,12 +304,6 @@ static int32_t run(bands *pool, raster *r, raster_kept **kept)
 		return code;
 	if ((code = spots_find(pool, &r->geometry, &r->room, r->spots)))
 		return code;
-	if (r->more && (code = kept_find(pool, &r->geometry, r->job->creases.data, kept)))
-		return code;
-	if (r->more && (code = contours_find(pool, &r->geometry, r->faces, r->edges)))
-		return code;
-	if (r->piece)
-		kept_pieces(&r->geometry, r->piece);
 	memset(r->place, 0, (size_t)r->n_chunks * (size_t)r->n_bands * sizeof *r->place);
 	if ((code = bands_run(pool, r->n_chunks, 1, count_chunks, r)))
 		return code;
@@ -344,27 +314,20 @@ static int32_t run(bands *pool, raster *r, raster_kept **kept)
 		return ENCRE_ERROR_MEMORY;
 	if ((code = bands_run(pool, r->n_chunks, 1, file_chunks, r)))
 		return code;
-	bool bevels = r->job->creases.data && r->job->normal.data && r->job->object.data;
-	bands_span(pool, 0.5, bevels ? 1 : 1.5); /* a run takes half of what is left */
-	code = bands_run(pool, r->n_bands, 1, draw_bands, r);
-	return code || !bevels ? code : bevels_draw(pool, r->job);
+	bands_span(pool, 0.5, 1.5); /* a run takes half of what is left */
+	return bands_run(pool, r->n_bands, 1, draw_bands, r);
 }
 
-int32_t raster_run(bands *pool, const encre_raster_job *job, raster_kept **kept, char *error, size_t size)
+int32_t raster_run(bands *pool, const encre_raster_job *job, char *error, size_t size)
 {
-	const encre_image *images[] = {&job->depth,      &job->normal,  &job->object,  &job->material,   &job->style,
-				       &job->attributes, &job->marks,   &job->creases, &job->coincident, &job->shading,
-				       &job->anchor,     &job->tangent, &job->card};
+	const encre_image *images[] = {&job->depth,  &job->normal,     &job->object,     &job->material,
+				       &job->style,  &job->attributes, &job->coincident, &job->shading,
+				       &job->anchor, &job->tangent,    &job->card};
 	const encre_image *image = NULL;
 	for (size_t i = 0; i < sizeof images / sizeof *images; i++)
 		if (images[i]->data)
 			image = images[i];
-	raster r = {.job = job,
-		    .pool = pool,
-		    .geometry = {.job = job},
-		    .width = image->width,
-		    .height = image->height,
-		    .more = job->marks.data || job->creases.data};
+	raster r = {.job = job, .pool = pool, .geometry = {.job = job}, .width = image->width, .height = image->height};
 	int32_t code = geometry_check(&r.geometry, error, size);
 	if (code)
 		return code;
@@ -390,8 +353,7 @@ int32_t raster_run(bands *pool, const encre_raster_job *job, raster_kept **kept,
 	if (!memory)
 		return ENCRE_ERROR_MEMORY;
 	plan(&r, bands_threads(pool), &a);
-	code = run(pool, &r, kept);
-	kept_free(kept, false);
+	code = run(pool, &r);
 	free(r.entry);
 	free(memory);
 	return code;

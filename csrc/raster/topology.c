@@ -101,7 +101,7 @@ static void join(const encre_mesh *mesh, int32_t point, const edge_list *list, t
 		bool met = list->met[high] > from; /* at this point: places of earlier ones come before */
 		if (met)
 			t->next[list->corner[list->met[high] - 1]] = c;
-		t->first[c / 3] |= (uint8_t)(!met << c % 3 | (end_at(mesh, list, c) == point) << (3 + c % 3));
+		t->first[c / 3] |= (uint8_t)(!met << c % 3);
 		list->met[high] = k + 1;
 	}
 }
@@ -125,7 +125,6 @@ static bool find_edges(const encre_mesh *mesh, topology *t)
 	memset(t->next, 0xff, corners * sizeof *t->next); /* NO_CORNER */
 	memset(t->first, 0, (size_t)mesh->n_primitives);
 	find_same(mesh, &list);
-	t->by_place = list.same != NULL;
 	file_edges(mesh, corners, &list);
 	for (int32_t point = 0; point < mesh->n_points; point++)
 		join(mesh, point, &list, t);
@@ -147,8 +146,8 @@ static inline bool is_alone(const topology *t, uint32_t c)
 	return t->first[c / 3] >> c % 3 & 1 && t->next[c] == NO_CORNER;
 }
 
-/* The ends of an edge, the lesser first by x, then y, then z; whether the edge begins there. */
-static bool places_of(const encre_mesh *mesh, uint32_t c, const float *end[2])
+/* The ends of an edge, the lesser first by x, then y, then z. */
+static void places_of(const encre_mesh *mesh, uint32_t c, const float *end[2])
 {
 	const float *a = mesh->points + 3 * (size_t)topology_point(mesh, c);
 	const float *b = mesh->points + 3 * (size_t)topology_point(mesh, c % 3 == 2 ? c - 2 : c + 1);
@@ -158,7 +157,6 @@ static bool places_of(const encre_mesh *mesh, uint32_t c, const float *end[2])
 	bool rises = a[k] <= b[k];
 	end[0] = rises ? a : b;
 	end[1] = rises ? b : a;
-	return rises;
 }
 
 static size_t hash_of(const float *const end[2])
@@ -197,13 +195,6 @@ static void enter(const encre_mesh *mesh, weld_table *w, uint32_t c)
 		w->other[at] = w->other[at] == NO_CORNER ? c : many;
 }
 
-static void set_rises(const encre_mesh *mesh, topology *t, uint32_t c)
-{
-	const float *end[2];
-	unsigned bit = 8u << c % 3, rises = places_of(mesh, c, end) ? bit : 0;
-	t->first[c / 3] = (uint8_t)((t->first[c / 3] & ~bit) | rises);
-}
-
 /* Of meshes whose points were split, for flat shading or by a file that knows no others, each triangle would stand
  * alone. Of more than two edges at one place, as of leaves with two sides, none is welded. */
 static bool weld(const encre_mesh *mesh, topology *t)
@@ -212,7 +203,6 @@ static bool weld(const encre_mesh *mesh, topology *t)
 	size_t alone = 0, room = 1;
 	for (uint32_t c = 0; c < corners; c++)
 		alone += is_alone(t, c);
-	t->by_place |= alone > 0;
 	if (alone < 2)
 		return true;
 	while (room < 2 * alone)
@@ -231,8 +221,6 @@ static bool weld(const encre_mesh *mesh, topology *t)
 			continue;
 		t->next[c] = d;
 		t->first[d / 3] &= (uint8_t)~(1u << d % 3);
-		set_rises(mesh, t, c);
-		set_rises(mesh, t, d);
 	}
 	free(w.one);
 	return true;
@@ -278,14 +266,6 @@ static bool find_pieces(const encre_mesh *mesh, topology *t)
 	}
 	free(above);
 	return true;
-}
-
-bool topology_by_place(const encre_mesh *mesh)
-{
-	for (uint32_t i = 0; i < (uint32_t)mesh->n_primitives; i++)
-		if (is_flat(mesh, i))
-			return true;
-	return false;
 }
 
 bool topology_find(const encre_mesh *mesh, topology *t)

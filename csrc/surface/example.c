@@ -262,28 +262,10 @@ static void color_at(const ball *b, float loose, const cells *c, const nodes *d,
 
 /* ---- stage ----------------------------------------------------------------------------------------------- */
 
-/* Brush work alone: factors on what metals mirror, whose light, dark and hue are nothing of the ball's. */
-static void worked_row(const ball *b, float strength, int n, const float *restrict gloss,
-		       float (*restrict place)[CHUNK], float (*restrict color)[4], float *restrict work)
-{
-	for (int i = 0; i < n; i++) {
-		float share = strength * metal_share(gloss + 3 * i), coarse[4] = {0}, sum = 0, mean = 0;
-		if (share > 0)
-			coarse_at(b, b->middle[0] + b->radius * place[0][i], b->middle[1] - b->radius * place[1][i],
-				  coarse);
-		for (int c = 0; c < 3; c++) {
-			sum += positive(color[i][c]);
-			mean += coarse[c];
-		}
-		float rate = min(sum / max(mean, 1e-3f), 2);
-		work[i] = share > 0 ? mix(1, rate * rate, share) : 1;
-	}
-}
-
-/* Square roots of colours over the surface. work: factors on what is not diffuse light, or NULL. */
+/* Square roots of colours over the surface. */
 static void painted_row(const encre_params *p, float other_light, int n, const float *restrict depth,
 			const float *restrict combined, const float *restrict own, const float *restrict diffuse,
-			const float *restrict work, float (*restrict color)[4], float *restrict surface)
+			float (*restrict color)[4], float *restrict surface)
 {
 	for (int i = 0; i < n; i++) {
 		float alpha = surface[4 * i + 3];
@@ -291,7 +273,6 @@ static void painted_row(const encre_params *p, float other_light, int n, const f
 		for (int c = 0; c < 3; c++) {
 			float a = own[3 * i + c], lit = bounded(a * diffuse[3 * i + c]), root = positive(color[i][c]);
 			float other = other_light * bounded(combined[4 * i + c] - lit);
-			other = work ? bounded(other * work[i]) : other;
 			float painted = root * root * mix(1, a, p->example_own_color) * alpha + other;
 			painted = blend(surface[4 * i + c], bounded(positive(painted)), p->example_strength);
 			surface[4 * i + c] = there ? painted : surface[4 * i + c];
@@ -299,16 +280,17 @@ static void painted_row(const encre_params *p, float other_light, int n, const f
 	}
 }
 
+/* How large patches are, about, of the ball: small ones follow a form closely, large ones keep longer strokes. */
+static const float patch = 0.1375f;
+
 static void example_run(const frame *f, const encre_params *p, int y, int x, int n)
 {
 	const ball *b = (const ball *)f->example + (p - f->params);
 	const float *anchor = anchor_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
-	const float *gloss = p->example_gloss > 0 ? layer_row(f, ENCRE_LAYER_GLOSS, y) : NULL;
-	float light[CHUNK], place[2][CHUNK], color[CHUNK][4], size = p->example_patch * f->scale;
+	float light[CHUNK], place[2][CHUNK], color[CHUNK][4], size = patch * p->example_size * f->scale;
 	spots at;
 	cells c;
 	nodes d;
-	float work[CHUNK];
 	for (int i = 0; i < n; i++)
 		light[i] = exposed_at(f, p, x + i, y);
 	place_row(f->camera.view, p->example_light, n, layer_row(f, ENCRE_LAYER_NORMAL, y) + (ptrdiff_t)3 * x, light,
@@ -322,11 +304,9 @@ static void example_run(const frame *f, const encre_params *p, int y, int x, int
 		cells_row(&at, n, finer, &c);
 	for (int i = 0; i < n; i++)
 		color_at(b, p->example_loose, &c, &d, i, place[0][i], place[1][i], color[i]);
-	if (gloss)
-		worked_row(b, p->example_gloss, n, gloss + (ptrdiff_t)3 * x, place, color, work);
 	painted_row(p, f->params->other_light, n, depth, layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x,
 		    layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x,
-		    layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, gloss ? work : NULL, color,
+		    layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, color,
 		    output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x);
 }
 

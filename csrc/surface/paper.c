@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The paper under pencil lines and hatching (Vainumäe 2020, 4.3): a sheet of heights that tiles the frame. The
- * built-in sheet is felted from random fibres, by whole numbers only, so that every build has the same one; its
+ * built-in sheet is pressed from noise of many sizes, by whole numbers only, so that every build has the same one; its
  * recipe is docs/paper.md. */
 #include "base/pixel.h"
 #include "base/stage.h"
@@ -9,7 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIZE = 512, SIZE_BITS = 9, FIBRES = 8192, LEVELS = 16384 };
+enum {
+	SIZE = 512,
+	SIZE_BITS = 9,
+	FIBRES = 8192,
+	LEVELS = 16384,
+	WIDEST = 8 /* texels each way that are pressed together */,
+	LEVELLED = 7 /* and whose mean is taken away */,
+	PIT_FROM = 84712
+};
 
 typedef struct paper {
 	const encre_image *image; /* NULL: the built-in sheet */
@@ -31,7 +39,7 @@ typedef struct built_in {
 typedef struct pulp {
 	uint32_t key;
 	float *sheet;
-	uint32_t pulp[SIZE * SIZE], felt[SIZE * SIZE], count[LEVELS];
+	uint32_t ground[SIZE * SIZE], pulp[SIZE * SIZE], felt[SIZE * SIZE], count[LEVELS];
 	uint16_t level[SIZE * SIZE];
 } pulp;
 
@@ -65,9 +73,10 @@ static void ground_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	pulp *p = data;
-	uint32_t key = p->key, *restrict out = p->pulp;
+	uint32_t key = p->key, *restrict out = p->ground;
 	for (uint32_t i = (uint32_t)y0 * SIZE; i < (uint32_t)y1 * SIZE; i++)
-		out[i] = mix_bits(i + key) >> 24;
+		out[i] = mix_bits(i + key);
+	memset(p->pulp + (ptrdiff_t)y0 * SIZE, 0, (size_t)(y1 - y0) * SIZE * sizeof *p->pulp);
 }
 
 static const uint32_t *wrapped_row(const uint32_t *tile, int y)
@@ -82,19 +91,45 @@ static void wrap_columns(uint32_t *sum, int reach)
 	memcpy(sum + reach + SIZE, sum + reach, (size_t)reach * sizeof *sum);
 }
 
+/* A row of what a tile has in its bits from `shift` on that `mask` leaves, weighted by a triangle: `size` in the
+ * middle, 0 so many texels away. */
+KERNEL void spread_row(const uint32_t *tile, int y, int shift, uint32_t mask, const int size, uint32_t *restrict out)
+{
+	uint32_t sum[SIZE + 2 * WIDEST] = {0};
+	for (int k = 1 - size; k < size; k++) {
+		const uint32_t *restrict in = wrapped_row(tile, y + k);
+		uint32_t weight = (uint32_t)(size - (k < 0 ? -k : k));
+		for (int x = 0; x < SIZE; x++)
+			sum[WIDEST + x] += weight * (in[x] >> shift & mask);
+	}
+	wrap_columns(sum, WIDEST);
+	memset(out, 0, SIZE * sizeof *out);
+	for (int k = 1 - size; k < size; k++) {
+		uint32_t weight = (uint32_t)(size - (k < 0 ? -k : k));
+		for (int x = 0; x < SIZE; x++)
+			out[x] += weight * sum[WIDEST + x + k];
+	}
+}
+
+/* Tooth of four sizes, faint fibres, and pits. */
 static void press_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	pulp *p = data;
 	for (int y = y0; y < y1; y++) {
-		const uint32_t *restrict a = wrapped_row(p->pulp, y - 1), *restrict b = wrapped_row(p->pulp, y),
-					 *restrict c = wrapped_row(p->pulp, y + 1);
-		uint32_t sum[SIZE + 2], *restrict out = p->felt + (ptrdiff_t)y * SIZE;
-		for (int x = 0; x < SIZE; x++)
-			sum[1 + x] = a[x] + 2 * b[x] + c[x];
-		wrap_columns(sum, 1);
-		for (int x = 0; x < SIZE; x++)
-			out[x] = sum[x] + 2 * sum[x + 1] + sum[x + 2];
+		uint32_t a[SIZE], b[SIZE], c[SIZE], d[SIZE], fibres[SIZE], pits[SIZE];
+		uint32_t *restrict out = p->felt + (ptrdiff_t)y * SIZE;
+		spread_row(p->ground, y, 0, 255, 2, a);
+		spread_row(p->ground, y, 8, 255, 3, b);
+		spread_row(p->ground, y, 16, 255, 5, c);
+		spread_row(p->ground, y, 24, 255, 9, d);
+		spread_row(p->ground, y + SIZE / 2, 24, 255, 5, pits);
+		spread_row(p->pulp, y, 0, UINT32_MAX, 2, fibres);
+		for (int x = 0; x < SIZE; x++) {
+			uint32_t pit = pits[(x + SIZE / 2) & (SIZE - 1)];
+			pit = pit > PIT_FROM ? pit - PIT_FROM : 0;
+			out[x] = (1u << 20) + 256 * a[x] + 64 * b[x] + 8 * c[x] + d[x] + 16 * fibres[x] - 12 * pit;
+		}
 	}
 }
 
@@ -104,19 +139,20 @@ static void level_rows(void *data, int y0, int y1, int thread)
 	pulp *p = data;
 	for (int y = y0; y < y1; y++) {
 		const uint32_t *restrict felt = wrapped_row(p->felt, y);
-		uint32_t sum[SIZE + 6] = {0};
+		uint32_t sum[SIZE + 2 * LEVELLED] = {0}, around[SIZE] = {0};
 		uint16_t *restrict out = p->level + (ptrdiff_t)y * SIZE;
-		for (int k = -3; k <= 3; k++) {
+		for (int k = -LEVELLED; k <= LEVELLED; k++) {
 			const uint32_t *restrict in = wrapped_row(p->felt, y + k);
 			for (int x = 0; x < SIZE; x++)
-				sum[3 + x] += in[x];
+				sum[LEVELLED + x] += in[x];
 		}
-		wrap_columns(sum, 3);
+		wrap_columns(sum, LEVELLED);
+		for (int k = 0; k <= 2 * LEVELLED; k++)
+			for (int x = 0; x < SIZE; x++)
+				around[x] += sum[x + k];
 		for (int x = 0; x < SIZE; x++) {
-			uint32_t around =
-				sum[x] + sum[x + 1] + sum[x + 2] + sum[x + 3] + sum[x + 4] + sum[x + 5] + sum[x + 6];
-			int32_t level = (int32_t)(49 * felt[x] + 262144 - around);
-			level = level > 0 ? level >> 5 : 0;
+			int32_t level = (int32_t)(225 * felt[x] + (1u << 28) - around[x]);
+			level = level > 0 ? level >> 15 : 0;
 			out[x] = (uint16_t)(level < LEVELS - 1 ? level : LEVELS - 1);
 		}
 	}
@@ -199,6 +235,20 @@ static int32_t built_in_sheet(frame *f, paper *p)
 static float clean_height(float v)
 {
 	return fabsf(v) <= 1e30f ? v : 0;
+}
+
+/* A scan's own mean is not to tell how much pencil there is. */
+static void center(const paper *p)
+{
+	const float level = 0.8f;
+	double sum = 0;
+	for (int y = 0; y < p->height; y++)
+		for (int x = 0; x < p->width; x++)
+			sum += (double)p->sheet[y * p->row + x];
+	float more = level - (float)(sum / ((double)p->width * p->height));
+	for (int y = 0; y < p->height; y++)
+		for (int x = 0; x <= p->width; x++)
+			p->sheet[y * p->row + x] += more;
 }
 
 static void image_rows(void *data, int y0, int y1, int thread)
@@ -291,6 +341,7 @@ static bool wanted(const frame *f)
 		return false;
 	for (int i = 0; i < f->n_styles; i++)
 		if ((f->params[i].use_lines && f->params[i].pen_1_grain > 0) ||
+		    (f->params[i].use_relief && f->params[i].paper_relief > 0) ||
 		    (f->params[i].use_wash && f->params[i].wash_granulation > 0) ||
 		    ((f->params[i].use_hatching || rubs(f->params + i)) && f->params[i].hatch_amount > 0))
 			return true;
@@ -329,7 +380,10 @@ static int32_t prepare(frame *f)
 		return ENCRE_OK;
 	for (int x = 0; x < f->width; x++)
 		p->column[x] = texel(p, f->place.x + x, p->width, p->share + x);
-	return p->image ? bands_run(f->bands, p->height, 0, image_rows, p) : built_in_sheet(f, p);
+	int32_t code = p->image ? bands_run(f->bands, p->height, 0, image_rows, p) : built_in_sheet(f, p);
+	if (!code && p->image)
+		center(p);
+	return code;
 }
 
 const stage STAGE_SYMBOL(paper) = {.id = "paper", .plan = plan, .prepare = prepare};

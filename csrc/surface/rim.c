@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rim light: a band along silhouettes, as if a lamp stood behind the things. Wherever a surface ends before one that
- * lies farther back there is a site, exactly where the contour passes if the layer of marks tells it. A site reaches as
+ * lies farther back there is a site, exactly where the contour passes if chains tell it. A site reaches as
  * far over its own surface as the band is wide there; each pixel has what the site gives that covers it most. */
+#include "base/between.h"
 #include "base/pixel.h"
-#include "base/stage.h"
 
 enum { NEAR = 2 /* pixels about the end of a surface whose normals count */, CHUNK = 256 };
 
@@ -20,9 +20,12 @@ typedef struct rim {
 	float *cover;    /* per thread a row: how much of a pixel is covered; and one more, see reach_over() */
 	int32_t *chosen; /* likewise: the site that does, by its number in the list */
 	rim_site *sites;
-	float least; /* of rim_depth, in all styles */
-	int reach;   /* pixels */
+	float *contours; /* as between_contours() fills it; NULL: there are no chains */
+	int reach;       /* pixels */
 } rim;
+
+/* How far behind a silhouette the next surface lies at least, as a share of its distance. */
+static const float step_behind = 0.05f;
 
 /* ---- sites ------------------------------------------------------------------------------------------------- */
 
@@ -92,9 +95,9 @@ static bool make_site(const frame *f, int x, int y, int dx, int dy, float place,
 {
 	const encre_params *p = params_at(f, x, y);
 	float z = depth_at(f, x, y), behind = depth_at(f, x + dx, y + dy);
-	if (!p->use_rim || !(behind - z > p->rim_depth * span_of(f, z)))
+	if (!p->use_rim || !(behind - z > step_behind * span_of(f, z)))
 		return false;
-	float slack = min((2 * p->rim_depth + 0.05f) * span_of(f, z), FLT_MAX);
+	float slack = min((2 * step_behind + 0.05f) * span_of(f, z), FLT_MAX);
 	float normal[3];
 	mean_normal(f, x, y, z, slack, normal);
 	float out[2] = {turned_to(f, 0, normal), -turned_to(f, 1, normal)};
@@ -114,10 +117,11 @@ static bool make_site(const frame *f, int x, int y, int dx, int dy, float place,
 }
 
 /* The site on the way from a pixel to the right, or down. One that is none reaches nowhere. */
-static rim_site site_between(const frame *f, int x, int y, int down)
+static rim_site site_between(const rim *r, int x, int y, int down)
 {
-	const float *marks = layer_row(f, ENCRE_LAYER_MARKS, y);
-	float mark = marks ? contour_mark(marks[2 * x + down]) : 0, place = mark < 0 ? contour_place(mark) : 0.5f;
+	const frame *f = r->f;
+	float told = r->contours ? r->contours[2 * ((ptrdiff_t)y * f->width + x) + down] : 0;
+	float place = told > 0 ? told : 0.5f;
 	int dx = !down, dy = down;
 	rim_site s;
 	bool found = depth_at(f, x, y) < depth_at(f, x + dx, y + dy)
@@ -131,10 +135,9 @@ static void mark_ends(const rim *r, const float *restrict z, const float *restri
 		      uint8_t *restrict ends)
 {
 	const frame *f = r->f;
-	float least = r->least;
 	for (int i = 0; i < n; i++) {
 		float one = depth_of(z[i]), other = depth_of(beside[i]), front = min(one, other);
-		ends[i] |= max(one, other) - front > least * span_of(f, front) ? bit : 0;
+		ends[i] |= max(one, other) - front > step_behind * span_of(f, front) ? bit : 0;
 	}
 }
 
@@ -161,7 +164,7 @@ static size_t sites_of_row(const rim *r, int y, rim_site *out)
 			}
 			for (int down = 0; down < 2; down++)
 				if (ends[i] >> down & 1)
-					out[n++] = site_between(f, x0 + i, y, down);
+					out[n++] = site_between(r, x0 + i, y, down);
 		}
 	}
 	return n;
@@ -278,6 +281,11 @@ static bool wanted(const frame *f)
 	return f->any.use_rim;
 }
 
+static float *contours_plan(const frame *f, arena *a)
+{
+	return f->n_chains ? arena_take(a, 2 * (size_t)f->width * (size_t)f->height, sizeof(float)) : NULL;
+}
+
 static void plan(frame *f, arena *a)
 {
 	f->rim = NULL;
@@ -288,12 +296,11 @@ static void plan(frame *f, arena *a)
 						      .first = arena_take(a, (size_t)f->height + 1, sizeof *made.first),
 						      .cover = arena_take(a, 2 * n, sizeof *made.cover),
 						      .chosen = arena_take(a, n, sizeof *made.chosen),
-						      .least = INFINITY};
+						      .contours = contours_plan(f, a)};
 	for (int i = 0; i < f->n_styles; i++) {
 		const encre_params *p = f->params + i;
 		if (!p->use_rim)
 			continue;
-		made.least = min(made.least, p->rim_depth);
 		made.reach = (int)max((float)made.reach, min(p->rim_width * f->scale, 1e6f) + 2);
 	}
 	if (r)
@@ -306,6 +313,8 @@ static int32_t run(frame *f)
 	rim *r = f->rim;
 	if (!r)
 		return ENCRE_OK;
+	if (r->contours)
+		between_contours(f, r->contours);
 	int32_t code = bands_run(f->bands, f->height, 0, count_rows, r);
 	size_t n = 0;
 	for (int y = 0; !code && y <= f->height; y++) {

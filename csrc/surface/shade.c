@@ -3,11 +3,10 @@
  * was not diffuse light (emission, reflections, glass, sky) lies over it as it was rendered. */
 #include "base/pixel.h"
 #include "base/stage.h"
+#include "surface/lit.h"
 
 #include <stdio.h>
 #include <string.h>
-
-enum { CHUNK = 128 /* pixels: all that is made of them stays in the nearest cache */ };
 
 /* ---- row kernels ----------------------------------------------------------------------------------------- */
 
@@ -17,95 +16,37 @@ static inline float drawable(float x)
 	return min(positive(x), pixel_most);
 }
 
-/* What levels are compared with. */
-static void exposed_row(int n, const float *restrict diffuse, const float *restrict controls, metering m,
-			float *restrict x)
-{
-	for (int i = 0; i < n; i++)
-		x[i] = exposed(m, max3(diffuse[3 * i], diffuse[3 * i + 1], diffuse[3 * i + 2]));
-	for (int i = 0; controls && i < n; i++)
-		x[i] += painted_light(controls, i);
-}
-
-/* Share of the way from the level below to this one. Below 1e-30 a transition is a step: its inverse may overflow. */
-static inline float passed(float x, const encre_level *level, float inverse)
-{
-	return inverse > 0 ? clamp01((x - level->threshold) * inverse + 0.5f) : x > level->threshold ? 1.0f : 0.0f;
-}
-
-static float inverse_width(const encre_level *level)
-{
-	return level->transition > 1e-30f ? 1 / level->transition : 0;
-}
-
-KERNEL void tone_row(const encre_levels *levels, int n, const float *restrict x, float *restrict tone)
-{
-	for (int i = 0; i < n; i++)
-		tone[i] = levels->level[0].intensity;
-	for (int k = 1; k < levels->count; k++) {
-		encre_level level = levels->level[k];
-		float inverse = inverse_width(&level);
-		for (int i = 0; i < n; i++)
-			tone[i] = mix(tone[i], level.intensity, passed(x[i], &level, inverse));
-	}
-}
-
 /* As split_channels() and back. */
-KERNEL void split(const float *restrict in, const int channels, int n, float (*restrict plane)[CHUNK])
+KERNEL void split(const float *restrict in, const int channels, int n, float (*restrict plane)[LIT_CHUNK])
 {
-	split_channels(in, channels, n, CHUNK, plane[0]);
+	split_channels(in, channels, n, LIT_CHUNK, plane[0]);
 }
 
-KERNEL void join(float (*restrict plane)[CHUNK], const int channels, int n, float *restrict out)
+KERNEL void join(float (*restrict plane)[LIT_CHUNK], const int channels, int n, float *restrict out)
 {
 	for (int i = 0; i < n; i++)
 		for (int c = 0; c < channels; c++)
 			out[channels * i + c] = plane[c][i];
 }
 
-/* One channel of the colour of the levels. */
-KERNEL void level_color_row(const encre_levels *levels, int c, int n, const float *restrict x, float *restrict color)
+/* How far a level is shade: below 0 it is brighter than full light. */
+static inline float shade_of(float tone, int beyond)
 {
-	for (int i = 0; i < n; i++)
-		color[i] = levels->level[0].color[c];
-	for (int k = 1; k < levels->count; k++) {
-		encre_level level = levels->level[k];
-		if (!memcmp(level.color, levels->level[k - 1].color, sizeof level.color))
-			continue;
-		float inverse = inverse_width(&level);
-		for (int i = 0; i < n; i++)
-			color[i] = mix(color[i], level.color[c], passed(x[i], &level, inverse));
-	}
-}
-
-/* What levels make of light. */
-typedef struct lit {
-	float exposed[CHUNK], tone[CHUNK];
-} lit;
-
-static void lit_row(const frame *f, const encre_params *p, int n, float (*restrict diffuse)[CHUNK],
-		    const float *restrict controls, lit *restrict l)
-{
-	metering m = metering_of(f, p);
-	for (int i = 0; i < n; i++)
-		l->exposed[i] = exposed(m, max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]));
-	for (int i = 0; controls && i < n; i++)
-		l->exposed[i] += painted_light(controls, i);
-	tone_row(&p->shade_levels, n, l->exposed, l->tone);
+	return beyond ? max(1 - tone, -0.5f) : positive(1 - tone);
 }
 
 /* light: the colours of the levels in, the discrete and tinted light out. The hue of dark light fades to white, or
  * noise would shine: mix(1, diffuse/V, V/0.02) is 1 + (diffuse - V)/max(V, 0.02). Likewise (D + w tint)/(1 + w) is a
  * mix. */
-KERNEL void light_row(const encre_params *p, int n, const float *restrict tone, float (*restrict diffuse)[CHUNK],
-		      float (*restrict light)[CHUNK])
+KERNEL void light_row(const encre_params *p, int n, const float *restrict tone, float (*restrict diffuse)[LIT_CHUNK],
+		      float (*restrict light)[LIT_CHUNK])
 {
 	float weight = p->shade_tint_weight, hued = p->light_hue;
 	float tint[] = {p->shade_tint[0], p->shade_tint[1], p->shade_tint[2]};
 	for (int i = 0; i < n; i++) {
 		float v = max3(diffuse[0][i], diffuse[1][i], diffuse[2][i]);
 		float hue = v > 0 ? hued / max(v, 0.02f) : 0;
-		float shade = 1 - tone[i], w = positive(shade) * weight, share = w / (1 + w);
+		float w = max(shade_of(tone[i], p->shade_beyond) * weight, -0.5f), share = w / (1 + w);
 		for (int c = 0; c < 3; c++)
 			light[c][i] =
 				bounded(mix((1 + (diffuse[c][i] - v) * hue) * tone[i] * light[c][i], tint[c], share));
@@ -114,13 +55,13 @@ KERNEL void light_row(const encre_params *p, int n, const float *restrict tone, 
 
 /* combined: as rendered in, as drawn out. */
 KERNEL void shaded_row(const encre_params *p, float other_light, int n, const float *restrict tone,
-		       float (*restrict color)[CHUNK], float (*restrict diffuse)[CHUNK], float (*restrict light)[CHUNK],
-		       float (*restrict combined)[CHUNK])
+		       float (*restrict color)[LIT_CHUNK], float (*restrict diffuse)[LIT_CHUNK],
+		       float (*restrict light)[LIT_CHUNK], float (*restrict combined)[LIT_CHUNK])
 {
 	float grey = 1 - clamp01(p->shade_saturation), strength = p->shade_strength;
 	for (int i = 0; i < n; i++) {
-		float shade = 1 - tone[i], value = max3(color[0][i], color[1][i], color[2][i]);
-		float kept = 1 - positive(shade) * grey; /* of the saturation */
+		float value = max3(color[0][i], color[1][i], color[2][i]);
+		float kept = 1 - shade_of(tone[i], p->shade_beyond) * grey; /* of the saturation */
 		for (int c = 0; c < 3; c++) {
 			float rendered = combined[c][i], diffused = bounded(color[c][i] * diffuse[c][i]);
 			float flat = bounded((value - (value - color[c][i]) * kept) * light[c][i]);
@@ -138,6 +79,9 @@ typedef struct parts {
 	bool bare;
 } parts;
 
+/* The brightness over which a highlight's shape ends. */
+static const float highlight_edge = 0.05f;
+
 static parts parts_of(const frame *f, const encre_params *p)
 {
 	return (parts){
@@ -148,7 +92,7 @@ static parts parts_of(const frame *f, const encre_params *p)
 		.glow = p->other_glow,
 		.shape = p->highlight_shape,
 		.threshold = p->highlight_threshold,
-		.inverse = p->highlight_transition > 1e-30f ? 1 / p->highlight_transition : 0,
+		.inverse = 1 / highlight_edge,
 		.tones = (float)p->reflection_tones,
 		.color = {p->highlight_color[0], p->highlight_color[1], p->highlight_color[2]},
 	};
@@ -173,10 +117,12 @@ static inline float to_tone(float light, float tones)
  * are absent are NULL. */
 static void weigh_row(const parts *k, int n, const float *restrict combined, const float *restrict color,
 		      const float *restrict diffuse, const float *restrict specular, const float *restrict highlights,
-		      const float *restrict background, const float *restrict depth, float *restrict out)
+		      const float *restrict gloss, const float *restrict background, const float *restrict depth,
+		      float *restrict out)
 {
 	for (int i = 0; i < n; i++) {
-		const float *h = highlights ? highlights + 3 * i : NULL;
+		const float *h = highlights ? highlights + 3 * i : NULL, *own = gloss ? gloss + 3 * i : NULL;
+		float metal = own ? metal_share(own) : 0, full = own ? max3(own[0], own[1], own[2]) : 0;
 		bool nothing = !(depth_of(depth[i]) < INFINITY);
 		float bright = h ? max3(h[0], h[1], h[2]) : 0, share = 0;
 		if (k->inverse > 0)
@@ -185,12 +131,13 @@ static void weigh_row(const parts *k, int n, const float *restrict combined, con
 			share = bright > k->threshold ? 1 : 0;
 		for (int c = 0; c < 3; c++) {
 			float other = bounded(combined[4 * i + c] - bounded(color[3 * i + c] * diffuse[3 * i + c]));
-			float lamps = h ? h[c] : 0, gloss = specular ? specular[3 * i + c] : 0;
+			float lamps = h ? h[c] : 0, shines = specular ? specular[3 * i + c] : 0;
 			float behind = background ? background[3 * i + c] : nothing ? other : 0;
-			float rest = bounded(other - behind - (gloss > lamps ? gloss : lamps));
-			float shown = blend(lamps, k->color[c] * share, h ? k->shape : 0);
+			float rest = bounded(other - behind - (shines > lamps ? shines : lamps));
+			float tint = metal > 0 ? blend(1, own[c] / full, metal) : 1; /* what is copper shines so */
+			float shown = blend(lamps, k->color[c] * tint * share, h ? k->shape : 0);
 			float sum = k->background * behind + k->highlights * shown + k->glow * rest;
-			sum += k->reflections * (gloss > lamps ? gloss - lamps : 0);
+			sum += k->reflections * (shines > lamps ? shines - lamps : 0);
 			sum = k->bare || combined[4 * i + 3] != 0 ? bounded(bounded(sum) - other) : 0;
 			out[4 * i + c] = bounded(combined[4 * i + c] + sum);
 		}
@@ -231,28 +178,6 @@ static void bare_row(const float *paper, int n, const float *restrict combined, 
 
 /* ---- stage ----------------------------------------------------------------------------------------------- */
 
-void ISA(shade_tones)(const frame *f, int y, int x0, int x1, float *tone)
-{
-	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
-	for (int x = x0, end; x < x1; x = end) {
-		float light[CHUNK];
-		const encre_params *p = style_run(f, y, x, x1 - x > CHUNK ? x + CHUNK : x1, &end);
-		exposed_row(end - x, diffuse + 3 * x, controls_at(f, x, y), metering_of(f, p), light);
-		tone_row(&p->shade_levels, end - x, light, tone + (x - x0));
-	}
-}
-
-void ISA(shade_exposed)(const frame *f, int y, float *light)
-{
-	const float *diffuse = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
-	for (int x = 0, end; x < f->width; x = end) {
-		const encre_params *p = style_run(f, y, x, f->width, &end);
-		exposed_row(end - x, diffuse + (ptrdiff_t)3 * x, controls_at(f, x, y), metering_of(f, p), light + x);
-		for (int i = x; i < end; i++)
-			light[i] = bounded(light[i]);
-	}
-}
-
 /* Three channels from pixel x of row y on; NULL where the layer is absent. */
 static const float *part_of(const frame *f, enum encre_layer layer, int x, int y)
 {
@@ -268,8 +193,8 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	float *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + 4 * x;
 	bool want_light = f->output[ENCRE_OUTPUT_LIGHT].data, bare = f->params->surface == surface_PAPER;
 	bool shades = p->use_shading && !bare, hatches = f->bright && p->use_hatching;
-	float weighed[4 * CHUNK], other_light = f->params->other_light;
-	float lights[3][CHUNK], diffuses[3][CHUNK], colors[3][CHUNK], rendered[4][CHUNK];
+	float weighed[4 * LIT_CHUNK], other_light = f->params->other_light;
+	float lights[3][LIT_CHUNK], diffuses[3][LIT_CHUNK], colors[3][LIT_CHUNK], rendered[4][LIT_CHUNK];
 	lit l;
 	fetch_ahead(f, thread);
 	if (!p->use_shading && !want_light && !hatches) { /* nothing goes on meanwhile: later stages ask for the rest */
@@ -279,7 +204,7 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	if (want_light || shades || hatches) {
 		split(diffuse, 3, n, diffuses);
 		fetch_ahead(f, thread);
-		lit_row(f, p, n, diffuses, controls_at(f, x, y), &l);
+		ISA(lit_row)(f, p, y, x, n, diffuses, &l);
 	}
 	fetch_ahead(f, thread);
 	if (shades || hatches) {
@@ -289,22 +214,22 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	}
 	fetch_ahead(f, thread);
 	if (hatches)
-		ISA(hatch_bright)(p, n, CHUNK, rendered[0], colors[0], diffuses[0], l.exposed, l.tone,
+		ISA(hatch_bright)(p, n, LIT_CHUNK, rendered[0], colors[0], diffuses[0], l.exposed, l.tone,
 				  bright_row(f, y, thread) + x);
 	parts k = parts_of(f, p);
 	if (p->use_shading && !as_rendered(&k)) {
+		const float *gloss = k.tones > 0 || k.shape > 0 ? part_of(f, ENCRE_LAYER_GLOSS, x, y) : NULL;
 		weigh_row(&k, n, combined, color, diffuse, part_of(f, ENCRE_LAYER_SPECULAR, x, y),
-			  part_of(f, ENCRE_LAYER_HIGHLIGHTS, x, y), part_of(f, ENCRE_LAYER_BACKGROUND, x, y),
+			  part_of(f, ENCRE_LAYER_HIGHLIGHTS, x, y), gloss, part_of(f, ENCRE_LAYER_BACKGROUND, x, y),
 			  layer_row(f, ENCRE_LAYER_DEPTH, y) + x, weighed);
-		const float *gloss = k.tones > 0 ? part_of(f, ENCRE_LAYER_GLOSS, x, y) : NULL;
-		if (gloss)
+		if (gloss && k.tones > 0)
 			mirrored_row(&k, n, color, diffuse, gloss, part_of(f, ENCRE_LAYER_BACKGROUND, x, y), weighed);
 		combined = weighed;
 		split(combined, 4, n, rendered);
 	}
 	fetch_ahead(f, thread);
 	for (int c = 0; (want_light || shades) && c < 3; c++) {
-		level_color_row(&p->shade_levels, c, n, l.exposed, lights[c]);
+		ISA(level_color_row)(&p->shade_levels, c, n, &l, lights[c]);
 		fetch_ahead(f, thread);
 	}
 	if (want_light || shades)
@@ -329,7 +254,8 @@ static void shade_rows(void *data, int y0, int y1, int thread)
 	const frame *f = data;
 	for (int y = y0; y < y1; y++)
 		for (int x = 0, end; x < f->width; x = end) {
-			const encre_params *p = style_run(f, y, x, f->width - x > CHUNK ? x + CHUNK : f->width, &end);
+			const encre_params *p =
+				style_run(f, y, x, f->width - x > LIT_CHUNK ? x + LIT_CHUNK : f->width, &end);
 			shade_run(f, p, y, x, end - x, thread);
 		}
 }
@@ -338,7 +264,8 @@ static void shade_rows(void *data, int y0, int y1, int thread)
  * whole picture. */
 static void plan(frame *f, arena *a)
 {
-	bool between = f->any.use_wash || (f->any.use_smudging && f->layer[ENCRE_LAYER_CONTROLS].data);
+	bool between =
+		f->any.use_gouache || f->any.use_wash || (f->any.use_smudging && f->layer[ENCRE_LAYER_CONTROLS].data);
 	f->bright = NULL;
 	if (f->any.use_hatching && f->any.use_shading && !between)
 		f->bright = arena_take(a, (size_t)bands_threads(f->bands) * NEAR_ROWS * (size_t)f->width,

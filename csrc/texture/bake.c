@@ -87,6 +87,7 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 		if (y < y0 + 1)
 			continue;
 		float *out = b->radius + (ptrdiff_t)(y - 1) * n, greatest = 0;
+		color_metric metric = metric_of(b->p);
 		for (int x = 0; x < n; x += PIECE) {
 			const float *row[3][3];
 			int left = n - x < PIECE ? n - x : PIECE;
@@ -97,7 +98,7 @@ static void difference_rows(void *data, int y0, int y1, int thread)
 			if (flat(row, left))
 				memset(out + x, 0, (size_t)left * sizeof *out);
 			else
-				ISA(detect_contrast)(b->p->contrast_metric, row, left, out + x);
+				ISA(detect_contrast)(&metric, row, left, out + x);
 		}
 		for (int x = 0; x < n; x++)
 			greatest = out[x] > greatest ? out[x] : greatest;

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How dark pixels are, and which of their style's tones show it. */
+#include "base/step.h"
 #include "tones/tones.h"
 
 #include <string.h>
 
-static int slot_of(int level)
+/* Where only small blacks are spotted the first tone is theirs, and the darkest level has the second. */
+static int slot_of(const frame *f, int level)
 {
-	return level < TONE_SLOTS ? level : TONE_SLOTS - 1;
+	int slot = level + tone_spots_small(f);
+	return slot < TONE_SLOTS ? slot : TONE_SLOTS - 1;
 }
 
 /* Called with a constant number of channels each time: planes vectorise best. */
@@ -37,23 +40,14 @@ static inline float spare(spared s, float lit, float bright)
 	return max(lit, min(more, s.end));
 }
 
-/* What is compared with tone_black. */
-static inline float lightness(const encre_params *p, float r, float g, float b)
-{
-	bool seen = p->tone_black_by == tone_black_by_LUMINANCE;
-	return seen ? 0.2126f * r + 0.7152f * g + 0.0722f * b : max3(r, g, b);
-}
-
 /* How dark a colour counts as, of such a lightness. Red-brown hair is as light as brown skin, but redder, and paint and
  * cloth of a strong red or blue look darker than they are: of deep colours what is lighter than a quarter of the way
- * from black to dark is taken as darker, so that some more lie below dark, and none that is not black gets black. No
- * skin has more red than 2.6 times its green, all but, and none is blue. */
+ * from black to dark is taken as darker, so that some more lie below dark, and none that is not black gets black. */
 static inline float counts_as(const encre_params *p, float bright, float r, float g, float b, float black, float dark)
 {
-	static const float skin = 2.6f, sky = 1.6f, quarter = 0.25f;
-	float most = max(g, b), red = (r - skin * most) / max(most, FLT_MIN);
-	float other = max(r, g), blue = (b - sky * other) / max(other, FLT_MIN), deep = clamp01(max(red, blue));
-	float from = black + quarter * (dark - black), span = dark - from, end = span + p->tone_reds * deep * dark;
+	static const float quarter = 0.25f;
+	float deep = tone_deep(r, g, b), from = black + quarter * (dark - black), span = dark - from,
+	      end = span + p->tone_reds * deep * dark;
 	return p->tone_reds > 0 && span > 0 && bright > from ? from + (bright - from) * span / end : bright;
 }
 
@@ -90,6 +84,15 @@ static void glazed_row(const frame *f, int y, int x, int n, float (*restrict col
 	}
 }
 
+/* The light of a sky that is seen: of one as dark as spotted blacks none, and without end from half as light again on,
+ * which the gray world of a new scene is. */
+static float night_light(const encre_params *p, float r, float g, float b)
+{
+	float own = tone_lightness(p, r, g, b), black = p->tone_black,
+	      light = (own - black) * (2 / max(black, FLT_MIN));
+	return own < black ? -1 : light < 1 ? light : INFINITY;
+}
+
 /* Light of the sky, that is seen or mirrored: without end, or as bright as it looks. Nothing is seen of a transparent
  * film. */
 static inline float sky_light(const frame *f, metering m, float other, float alpha)
@@ -121,7 +124,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		lit = spare(own, lit, bright);
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
-		float shown = lightness(p, s[0], s[1], s[2]);
+		float shown = tone_lightness(p, s[0], s[1], s[2]);
 		float as = counts_as(p, shown, s[0], s[1], s[2], least, dark);
 		lit = shown >= least ? light_left(lit, as, 0, least, dark) : -1;
 		if (glazed[i] > 0.5f) {
@@ -134,6 +137,26 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 			lit = sky_light(f, m, other[i], combined[4 * i + 3]);
 		light[i] = !shows ? light[i] : nothing ? lit : max(light[i], lit);
 	}
+	bool night = ((const tone_frame *)f->tones)->night && front && p->tone_black > 0;
+	for (int i = 0; night && i < n; i++) {
+		const float *e = combined + (ptrdiff_t)4 * i;
+		bool seen_sky = !(depth_of(front[x + i]) < INFINITY) && e[3] > tone_film;
+		light[i] = seen_sky ? night_light(p, e[0], e[1], e[2]) : light[i];
+	}
+}
+
+bool ISA(tone_caught)(const frame *f, int y, int x, int n, bool *caught)
+{
+	const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y), *d = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
+	bool any = false;
+	if (!((const tone_frame *)f->tones)->caught)
+		return false;
+	for (int i = 0; i < n; i++) {
+		const float *own = d + (ptrdiff_t)3 * (x + i);
+		caught[i] = !(depth_of(depth[x + i]) < INFINITY) && max3(own[0], own[1], own[2]) > 0;
+		any |= caught[i];
+	}
+	return any;
 }
 
 /* Light that levels are compared with; what shines or reflects is not in the dark, but for what dark glazed things
@@ -148,6 +171,8 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 	float black = p->tone_black, dark = p->tone_dark;
 	bool seen = p->tone_black_by == tone_black_by_LUMINANCE;
 	spared own = spared_of(p);
+	const uint8_t *spotted = ((const tone_frame *)f->tones)->spotted;
+	spotted = spotted ? spotted + (ptrdiff_t)y * f->width + x : NULL;
 	split(layer_row(f, ENCRE_LAYER_COMBINED, y) + (ptrdiff_t)4 * x, 4, n, e);
 	split(layer_row(f, ENCRE_LAYER_COLOR, y) + (ptrdiff_t)3 * x, 3, n, a);
 	split(layer_row(f, ENCRE_LAYER_DIFFUSE, y) + (ptrdiff_t)3 * x, 3, n, d);
@@ -161,54 +186,52 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		float bright = max3(a[0][i], a[1][i], a[2][i]);
 		float lit = spare(own, exposed(m, max3(d[0][i], d[1][i], d[2][i])), bright) + painted[i];
 		float r = e[0][i] - a[0][i] * d[0][i], g = e[1][i] - a[1][i] * d[1][i], b = e[2][i] - a[2][i] * d[2][i];
-		float mirrored = glazed[i] * clamp01(lightness(p, r, g, b));
+		float mirrored = glazed[i] * clamp01(tone_lightness(p, r, g, b));
 		rest[i] = max3(r, g, b);
 		float own_black = seen ? black * left[i] : black, own_dark = seen ? dark * left[i] : dark;
-		float own_bright = lightness(p, a[0][i], a[1][i], a[2][i]);
+		float own_bright = tone_lightness(p, a[0][i], a[1][i], a[2][i]);
+		own_black = spotted && !spotted[i] ? 0 : own_black;
 		float as = counts_as(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
 		lit = light_left(lit, as, mirrored, own_black, own_dark);
-		light[i] = own_bright < own_black ? max(rest[i] - glazed[i], -1) : max(lit, rest[i]);
+		float shine = spotted ? (rest[i] > 0.5f ? rest[i] : -1) : rest[i] - glazed[i];
+		light[i] = own_bright < own_black ? max(shine, -1) : max(lit, rest[i]);
 	}
 	if (p->tone_mirrors)
 		mirrored_row(f, p, y, x, n, rest, a, glazed, light);
+	bool caught[TONE_CHUNK], any = ISA(tone_caught)(f, y, x, n, caught);
+	for (int i = 0; any && i < n; i++)
+		light[i] = caught[i] ? exposed(m, max3(d[0][i], d[1][i], d[2][i])) : light[i];
 }
 
 /* How the light passes a threshold: never, in one step, or by and by. */
 enum { ALL, STEP, SLOPE };
 
-/* steep: 1 / how much the light differs from a pixel to the next, so that a step's edge is as smooth as a line's; 0: it
- * does not. */
 KERNEL float past(float x, const int how, float threshold, float rate, float steep)
 {
 	if (how == SLOPE)
 		return clamp01((x - threshold) * rate + 0.5f);
-	float edge = clamp01((x - threshold) * steep + 0.5f), hard = x > threshold ? 1 : 0;
-	return how != STEP ? 0 : steep > 0 ? edge : hard;
-}
-
-/* The less of the differences to both sides: what a contour alone makes is none of the light's own. */
-static inline float differs(float before, float at, float after)
-{
-	static const float most = 1e6f; /* what shows nothing has light without end */
-	float x = min(at, most);
-	return min(fabsf(x - min(before, most)), fabsf(min(after, most) - x));
+	return how != STEP ? 0 : step_passed(x, threshold, steep);
 }
 
 static void steep_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict light,
 		      float *restrict steep)
 {
 	float above[TONE_CHUNK], below[TONE_CHUNK], row[TONE_CHUNK + 2];
-	int last = x + n;
-	light_row(f, p, y > 0 ? y - 1 : clamp_index(1, f->height), x, n, above);
-	light_row(f, p, y + 1 < f->height ? y + 1 : clamp_index(y - 1, f->height), x, n, below);
-	light_row(f, p, y, x > 0 ? x - 1 : clamp_index(1, f->width), 1, row);
-	light_row(f, p, y, last < f->width ? last : clamp_index(last - 2, f->width), 1, row + n + 1);
+	light_row(f, p, step_beside(y, -1, f->height), x, n, above);
+	light_row(f, p, step_beside(y, 1, f->height), x, n, below);
+	light_row(f, p, y, step_beside(x, -1, f->width), 1, row);
+	light_row(f, p, y, step_beside(x + n - 1, 1, f->width), 1, row + n + 1);
 	memcpy(row + 1, light, (size_t)n * sizeof *row);
-	for (int i = 0; i < n; i++) {
-		float across = differs(row[i], light[i], row[i + 2]), down = differs(above[i], light[i], below[i]);
-		float most = sqrtf(across * across + down * down);
-		steep[i] = most > 1e-4f ? 1 / most : 0;
+	bool spotted = ((const tone_frame *)f->tones)->spotted; /* light beside a black does not run out */
+	for (int i = 0; spotted && i < n + 2; i++)
+		row[i] = positive(row[i]);
+	for (int i = 0; spotted && i < n; i++) {
+		above[i] = positive(above[i]);
+		below[i] = positive(below[i]);
 	}
+	for (int i = 0; i < n; i++)
+		steep[i] = step_steepness(step_differs(row[i], row[i + 1], row[i + 2]),
+					  step_differs(above[i], row[i + 1], below[i]));
 }
 
 typedef struct band_of_light {
@@ -269,17 +292,17 @@ static void want_level(const encre_params *p, int level, float gradient, int n, 
 
 /* The mean darkness of what is there, from sums. sky: it is there, too; solid: as ink or paper, for no tone has where
  * to stick to. */
-static void finish(const float *restrict depth, bool sky, bool solid, int n, float *restrict share,
-		   float *restrict dark)
+static void finish(const float *restrict depth, const bool *restrict caught, bool sky, bool solid, int n,
+		   float *restrict share, float *restrict dark)
 {
 	for (int i = 0; i < n; i++) {
-		int there = sky | ((depth[i] > 0) & (depth[i] < depth_end));
+		int there = sky | caught[i] | ((depth[i] > 0) & (depth[i] < depth_end));
 		float own = there ? share[i] : 0;
 		dark[i] = own > 0 ? clamp01(dark[i] / max(own, FLT_MIN)) : 0;
 		share[i] = most_one(own);
 	}
 	for (int i = 0; sky && solid && i < n; i++)
-		dark[i] = depth_of(depth[i]) < INFINITY ? dark[i] : dark[i] >= 0.5f ? 1 : 0;
+		dark[i] = caught[i] || depth_of(depth[i]) < INFINITY ? dark[i] : dark[i] >= 0.5f ? 1 : 0;
 }
 
 /* A stroke here and there shades nothing: on a wall in full light it is rain. */
@@ -302,6 +325,28 @@ static void clear(const uint8_t *restrict keep, const uint8_t *restrict ease, bo
 	}
 }
 
+/* Small blacks have a tone of their own, and no other. */
+static void want_blacks(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n,
+			const float *restrict light, tone_wanted *w)
+{
+	int own = slots->like;
+	float dark = clamp01(1 + p->tone_darkness);
+	const uint8_t *spotted = ((const tone_frame *)f->tones)->spotted + (ptrdiff_t)y * f->width + x;
+	if (!memchr(spotted, TONE_SPOTTED, (size_t)n))
+		return;
+	if (slots->kind != tone_1_NONE && !w->any[own]) {
+		memset(w->share[own], 0, (size_t)n * sizeof *w->share[own]);
+		memset(w->dark[own], 0, (size_t)n * sizeof *w->dark[own]);
+		w->any[own] = true;
+	}
+	for (int k = 0; k < TONE_SLOTS; k++)
+		for (int i = 0; w->any[k] && i < n; i++) {
+			bool black = spotted[i] && light[i] < 0;
+			w->share[k][i] = black ? k == own : w->share[k][i];
+			w->dark[k][i] = !black ? w->dark[k][i] : k == own ? dark : 0;
+		}
+}
+
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
 {
 	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK], steep[TONE_CHUNK];
@@ -321,7 +366,7 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 	for (int k = 0; k < TONE_SLOTS; k++)
 		w->any[k] = false;
 	for (int level = 0; level < p->shade_levels.count; level++) {
-		const tone_slot *own = slots + slot_of(level);
+		const tone_slot *own = slots + slot_of(f, level);
 		int k = own->like;
 		if (own->kind == tone_1_NONE)
 			continue;
@@ -333,13 +378,18 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 		want_level(p, level, own->gradient, n, light, steep, own->kind == tone_1_GRAIN ? none : added,
 			   w->share[k], w->dark[k]);
 	}
-	const tone_detail *detail = &((const tone_frame *)f->tones)->detail;
+	if (tone_spots_small(f))
+		want_blacks(f, p, slots, y, x, n, light, w);
+	const tone_frame *t = f->tones;
+	bool caught[TONE_CHUNK] = {false};
+	ISA(tone_caught)(f, y, x, n, caught);
+	const tone_detail *detail = &t->detail;
+	bool shows_sky = p->tone_mirrors && (f->params->tone_sky > 0 || (t->night && p->tone_black > 0));
 	size_t at = (size_t)y * (size_t)f->width + (size_t)x;
 	for (int k = 0; k < TONE_SLOTS; k++) {
 		if (!w->any[k])
 			continue;
-		finish(depth, p->tone_mirrors && f->params->tone_sky > 0, tone_sticks(slots + k), n, w->share[k],
-		       w->dark[k]);
+		finish(depth, caught, shows_sky, tone_sticks(slots + k), n, w->share[k], w->dark[k]);
 		if (slots[k].kind == tone_1_HATCH)
 			few(n, w->dark[k]);
 		if (detail->keep)

@@ -307,6 +307,17 @@ static void keep_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
+/* Whether nothing dark is seen on what a pixel shows: black paint, and deep reds and blues, as signs have. */
+static bool is_board(const work *w, int x, int y)
+{
+	float value = row_of(w, w->d->value, y)[x];
+	if (value <= least_contrast)
+		return true;
+	const float *c = layer_row(w->f, ENCRE_LAYER_ALBEDO, y) + (ptrdiff_t)3 * x;
+	float reds = w->f->params[style_at(w->f, x, y)].tone_reds;
+	return value * value <= least_contrast * least_contrast * (1 + reds * tone_deep(c[0], c[1], c[2]));
+}
+
 /* How much pixels are what light print lies on. A board is flat and of a colour on which nothing dark is seen; where
  * dark print is near, the pupil of an eye, it is a face. */
 static void around_rows(void *data, int y0, int y1, int thread)
@@ -316,14 +327,14 @@ static void around_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++)
 		for (int x = 0, n; x < w->f->width; x += n) {
 			uint8_t light[TONE_CHUNK], print[TONE_CHUNK], *to = row_of(w, w->d->around, y) + x;
-			uint8_t *board = row_of(w, w->d->board, y) + x, *value = row_of(w, w->d->value, y) + x;
+			uint8_t *board = row_of(w, w->d->board, y) + x;
 			n = chunk_at(w, x);
 			most_about(w, w->d->far, w->d->thin, y, x, n, light);
 			bool any = false;
 			for (int i = 0; i < n; i++) {
 				float own = light[i] > least_contrast ? about(w, false, w->d->far, x + i, y) : 0;
 				to[i] = (uint8_t)(255 - share_left(own));
-				board[i] = value[i] <= least_contrast ? to[i] : 0;
+				board[i] = to[i] && is_board(w, x + i, y) ? to[i] : 0;
 				any |= board[i];
 			}
 			if (!any)

@@ -80,7 +80,7 @@ static void fill_radii(tone_screen *s, int shear, int b0, int b1)
 	float h0 = 2 - sqrtf(4 - 3 * (float)b0 / (TONE_BIRTHS - 1)),
 	      h1 = 2 - sqrtf(4 - 3 * (float)b1 / (TONE_BIRTHS - 1));
 	float slant = (float)shear / (TONE_SHEARS - 1), share[YOUNG] = {1}, distance[YOUNG][TRIES];
-	float ink[RADII + 1], soft = s->soft + s->more_soft * s->pitch, most = 1.1f * s->pitch + soft;
+	float ink[RADII + 1], soft = s->soft, most = 1.1f * s->pitch + soft;
 	tone_births(h0, h1, share + 1);
 	for (int k = 1; k < YOUNG; k++)
 		share[k] = sqrtf(share[k]);
@@ -100,15 +100,13 @@ static void fill_radii(tone_screen *s, int shear, int b0, int b1)
 
 enum { TRIED = 8 /* pixels of pitch */ };
 
-void ISA(tone_screen_fill)(tone_screen *s, const tone_slot *slot, float hardness)
+void ISA(tone_screen_fill)(tone_screen *s, const tone_slot *slot)
 {
 	bool own = slot->space == tone_1_space_OBJECT;
-	float fade = slot->crisp ? 0 : (1 - hardness) * 0.5f;
 	s->pitch = own ? TRIED : max(slot->pitch, 2);
 	s->least = own ? 5 : s->pitch;
 	s->most = own ? 1e6f : s->pitch;
 	s->soft = slot->crisp ? 0.002f : 1;
-	s->more_soft = fade;
 	for (int shear = 0; shear < (own ? 1 : TONE_SHEARS) && slot->kind == tone_1_DOTS; shear++)
 		for (int b0 = 0; b0 < TONE_BIRTHS; b0++)
 			for (int b1 = 0; b1 < TONE_BIRTHS; b1++)
@@ -286,7 +284,7 @@ static void painted(const tone_screen *s, int n, const tone_field field[2], cons
 		    const float *restrict radius, births *restrict b)
 {
 	for (int i = 0; i < n; i++) {
-		float soft = s->soft + s->more_soft * sqrtf(l->pitch[0][i] * l->pitch[1][i]);
+		float soft = s->soft;
 		float size0 = s->pitch * (1 + l->grown[0][i]), size1 = s->pitch * (1 + l->grown[1][i]);
 		slant g = slant_at(s, field, l, i);
 		float x = size0 * from_whole(l->at[0][i]), x_between = size0 * from_whole(l->at[0][i] - 0.5f);
@@ -327,7 +325,7 @@ void ISA(tone_dots)(const tone_screen *s, int n, const tone_field field[2], cons
 		    float *restrict ink)
 {
 	births b;
-	float radius[TONE_CHUNK], soft = s->soft + s->more_soft * s->pitch;
+	float radius[TONE_CHUNK], soft = s->soft;
 	if (s->least < s->most) {
 		tone_lattice l;
 		ISA(tone_lattice_fill)(s->least, s->most, n, field, &l);

@@ -100,6 +100,38 @@ static void look_ahead_rows(void *data, int y0, int y1, int thread)
 			look_ahead(w->m, w->f->height, y, x, width - x < TONE_CHUNK ? width - x : TONE_CHUNK);
 }
 
+static void count_spots(void *data, int y0, int y1, int thread)
+{
+	(void)thread;
+	const work *w = data;
+	for (int y = y0; y < y1 && !bands_stopped(w->f->bands); y++) {
+		bool lacks = false;
+		int n = w->m->lacks[y] ? ISA(tone_spots_find)(w->f, w->m, y, 0, w->f->width, NULL, &lacks) : 0;
+		w->m->first[y] += lacks ? 0 : n;
+		w->m->lacks[y] = lacks;
+	}
+}
+
+/* Counts spots, and finds the points of those rows that lack some, until none does. */
+static int32_t find_points(frame *f, work *w)
+{
+	tone_marks *m = w->m;
+	int32_t code = ENCRE_OK;
+	bool lacks = true;
+	blue_trim(f->kept_spots);
+	memset(m->lacks, 1, (size_t)f->height);
+	while (!code && lacks) {
+		blue_want_none(&m->wanted);
+		code = bands_run(f->bands, f->height, 0, count_spots, w);
+		lacks = false;
+		for (int y = 0; y < f->height; y++)
+			lacks |= m->lacks[y];
+		if (!code && lacks)
+			code = ISA(blue_make)(f, &m->wanted);
+	}
+	return code;
+}
+
 static void find_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
@@ -135,6 +167,7 @@ int32_t ISA(tone_marks_run)(frame *f, tone_marks *m, bool looked)
 	ISA(tone_turns_find)(f, m);
 	w.reach = (int)min(reach + tone_step(reach) + pitch, (float)f->height) + 3;
 	int32_t code = looked ? ENCRE_OK : bands_run(f->bands, f->height, 0, look_at_rows, &w);
+	code = !code && m->lacks ? find_points(f, &w) : code;
 	if (code)
 		return code;
 	int64_t sum = 0;
@@ -153,6 +186,7 @@ int32_t ISA(tone_marks_run)(frame *f, tone_marks *m, bool looked)
 	code = bands_run(f->bands, f->height, 0, look_ahead_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, find_rows, &w);
 	code = code ? code : bands_run(f->bands, f->height, 0, sift_rows, &w);
+	code = !code && m->lacks ? ISA(tone_spots_thin)(f, m) : code;
 	/* strokes are traced in each band that they reach */
 	int band = f->height / (2 * bands_threads(f->bands));
 	band = band < 64 ? 64 : band;

@@ -14,7 +14,7 @@ void ISA(tone_lines)(const tone_screen *screen, int n, const tone_field *field, 
 	for (int i = 0; i < n; i++) {
 		float slope = sqrtf(field->right[i] * field->right[i] + field->down[i] * field->down[i]), grown;
 		float unit = 1 / max(slope, 1e-18f), pitch = min(max(unit, least), most);
-		float soft = screen->soft + screen->more_soft * pitch, reach = 0.5f * soft, share = 1 / soft;
+		float soft = screen->soft, reach = 0.5f * soft, share = 1 / soft;
 		float scale = octave(unit / pitch, &grown);
 		float at = 2 * scale * field->at[i], first = floorf(at), off = at - first, step = 0.5f * pitch * grown;
 		float odd = first - 2 * floorf(0.5f * first), whole = 0.5f * pitch * dark[i];

@@ -1,16 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Strokes and spots: each has a place on the picture or on the thing, on a lattice as dots have it (dots.c), from which
- * it is shifted, and is drawn from there over other pixels (strokes.c). A stroke follows the surface: the way in which
- * it bends most or, where it bends in none, planes that cut it. Which are drawn, and how wide, tells the darkness along
- * them: in the light few, then all, then a second and a third layer across. Here every pixel finds the marks whose
- * places it holds, in its own row. */
+/* Strokes: each has a place on the picture or on the thing, on a lattice as dots have it (dots.c), from which it is
+ * shifted, and is drawn from there over other pixels (strokes.c). It follows the surface: the way in which that bends
+ * most or, where it bends in none, planes that cut it. Which are drawn, and how wide, tells the darkness along them: in
+ * the light few, then all, then a second and a third layer across. Here every pixel finds the strokes whose places it
+ * holds, in its own row; spots are stipple.c's. */
 #include "tones/strokes.h"
 
 #include <string.h>
 
-/* "px": so far from its middle along row and column a pixel holds a place. Where the surface bends a pixel and the next
- * tell otherwise where a place between them is; were it only half a pixel, some had none, and came and went. */
-static const float held_within = 0.6f;
 /* 255ths: so much brighter than its layer wants a stroke's middle may lie, for it goes to where it is darker. */
 enum { DARKER_BESIDE = 32 };
 static const float jitter = 0.6f;       /* pitches */
@@ -20,14 +17,14 @@ static const float beside_rows = 0.08f; /* sine of the angle up to which a strok
 
 /* The area of marks that cover c. Thrown at random it were -ln(1 - c); from a lattice, though shifted, they cover each
  * other less: by how much was measured. */
-static float area_for(float c, bool spots)
+static float area_for(float c)
 {
 	float left = max(1 - c, 1.0f / 1024), y = 0;
 	for (int k = 0; k < 12; k++) {
 		float e = pixel_exp(-y);
 		y += 2 * (e - left) / (e + left);
 	}
-	return y / (1 + y * (spots ? 0.395f - 0.027f * y : 0.21f));
+	return y / (1 + y * 0.21f);
 }
 
 /* Share of a layer that is drawn where it alone is: each is full at a half of what those before it have left. */
@@ -43,11 +40,9 @@ static float cover_of(float dark, int layer)
 
 void ISA(tone_marks_tables)(tone_marks *m)
 {
-	for (int layer = 0; layer <= TONE_SPOTS; layer++)
+	for (int layer = 0; layer < TONE_LAYERS; layer++)
 		for (int i = 0; i < 256; i++) {
-			float dark = (float)i / 255,
-			      x = area_for(layer == TONE_SPOTS ? dark : cover_of(dark, layer), layer == TONE_SPOTS) /
-				  full_cover;
+			float dark = (float)i / 255, x = area_for(cover_of(dark, layer)) / full_cover;
 			float low = min(x, 1), shown = 1.25f * sqrtf(low * sqrtf(low)), over = max(shown - 1, 0);
 			float mean = shown < 0.25f ? 2 * shown * shown : shown - 0.125f - 2 * over * over;
 			m->widths[layer][i] = (tone_width){shown, mean > 0 ? x / mean : 0};
@@ -56,8 +51,7 @@ void ISA(tone_marks_tables)(tone_marks *m)
 		int layers = 0;
 		for (int layer = 0; layer < TONE_LAYERS; layer++)
 			layers |= m->widths[layer][i].shown > 0 ? TONE_FOUND << layer : 0;
-		m->layers[0][i] = (uint8_t)layers;
-		m->layers[1][i] = m->widths[TONE_SPOTS][i].shown > 0 ? TONE_FOUND | TONE_SECOND : 0;
+		m->layers[i] = (uint8_t)layers;
 		float x = 1 - (float)i / 128, y = 1 - fabsf(x), length = sqrtf(x * x + y * y);
 		m->way[i][0] = x / length;
 		m->way[i][1] = y / length;
@@ -207,10 +201,8 @@ typedef struct places {
 	tone_lattice lattice;
 } places;
 
-/* columns: of n pixels from x to x + TONE_CHUNK - 1, ascending. second: on the lattice of the axis along which their
- * normal is longest but for one. */
-static void places_fill(const frame *f, const tone_slot *s, int y, int x, const int *columns, int n, bool second,
-			places *p)
+/* columns: of n pixels from x to x + TONE_CHUNK - 1, ascending. */
+static void places_fill(const frame *f, const tone_slot *s, int y, int x, const int *columns, int n, places *p)
 {
 	tone_field chart[2];
 	p->s = s;
@@ -221,8 +213,6 @@ static void places_fill(const frame *f, const tone_slot *s, int y, int x, const 
 		for (int c = 0; anchor && c < ANCHOR_COUNT; c++)
 			p->own.at[c][i] = anchor[c];
 		p->rest = anchor ? &p->own : NULL;
-		if (second && anchor)
-			p->own.at[ANCHOR_NORMAL + tone_axis(&p->own, i)][i] = 0;
 	}
 	ISA(tone_chart)(f, s, p->rest, y, x, p->rest ? n : columns[n - 1] - x + 1, chart);
 	for (int k = 0; k < 2 && !p->rest; k++)
@@ -232,29 +222,6 @@ static void places_fill(const frame *f, const tone_slot *s, int y, int x, const 
 			chart[k].down[i] = chart[k].down[columns[i] - x];
 		}
 	ISA(tone_lattice_fill)(s->least, s->most, n, chart, &p->lattice);
-}
-
-/* Spots beside the seam of two lattices: of these n pixels, of a row that begins with pixel x, sets the bits anew. A
- * place is held on its side of the seam by pixels of both. */
-static void hold_beside_seam(const frame *f, const tone_slot *s, const tone_rest *rest, const uint8_t *dark, int y,
-			     int x, int n, uint8_t *restrict bits)
-{
-	int columns[TONE_CHUNK], count = 0;
-	for (int i = 0; i < n; i++)
-		if (dark[i] && ISA(tone_near_seam)(rest, i))
-			columns[count++] = x + i;
-	for (int second = 0; count && second < 2; second++) {
-		places p;
-		places_fill(f, s, y, x, columns, count, second, &p);
-		for (int k = 0; k < count; k++) {
-			int i = columns[k] - x, bit = second ? TONE_SECOND : TONE_FOUND;
-			float way[2];
-			bool own =
-				holds(&p.lattice, 0, k, way) &&
-				ISA(tone_before_seam)(f, s, rest, i, columns[k], y, tone_axis(p.rest, k), second, way);
-			bits[i] = (uint8_t)((bits[i] & ~bit) | (own ? bit : 0));
-		}
-	}
 }
 
 /* The mark whose place is in the i-th of these, pixel x. */
@@ -277,23 +244,21 @@ static tone_mark mark_at(const frame *f, const tone_marks *m, const places *p, i
 	h = stir(stir(h, (uint32_t)place[0].odd), (uint32_t)place[1].odd);
 	uint32_t name = h;
 	int32_t off = (int32_t)(256 * (way[0] * way[0] + way[1] * way[1]) + 0.5f);
-	bool stroke = s->kind == tone_1_HATCH;
 	const float *along = m->way[tone_bytes(m, TONE_WAY + layer, y)[x]];
 	for (int k = 0; k < 2; k++) {
 		float length = sqrtf(l->across[k][i] * l->across[k][i] + l->up[k][i] * l->up[k][i]);
-		float shift = stroke ? shift_of(along, l->across[1 - k][i], l->up[1 - k][i]) : jitter;
+		float shift = shift_of(along, l->across[1 - k][i], l->up[1 - k][i]);
 		h = stir(h, 1);
 		float aside = (share_of(h) - 0.5f) * shift * l->pitch[k][i] / max(length, 1e-6f);
 		way[0] += aside * l->across[k][i];
 		way[1] += aside * l->up[k][i];
 	}
-	weight *= rest && stroke ? ISA(tone_grown_beside_seam)(f, s, rest, i, x, y) : 1;
-	float size = sqrtf(weight), turn, length = 0, pitch = sqrtf(l->pitch[0][i] * l->pitch[1][i]);
+	weight *= rest ? ISA(tone_grown_beside_seam)(f, s, rest, i, x, y) : 1;
+	float size = sqrtf(weight), turn, pitch = sqrtf(l->pitch[0][i] * l->pitch[1][i]);
 	h = stir(h, 2);
 	turn = (share_of(h) - 0.5f) * 0.1f;
 	h = stir(h, 3);
-	if (stroke)
-		length = stroke_length * pitch * min(size * (0.7f + 0.6f * share_of(h)), 1.3f);
+	float length = stroke_length * pitch * min(size * (0.7f + 0.6f * share_of(h)), 1.3f);
 	return (tone_mark){
 		.x = (float)(f->place.x + x) + 0.5f + way[0],
 		.y = (float)(f->place.y + y) + 0.5f + way[1],
@@ -325,24 +290,22 @@ static void look_at(const frame *f, const tone_marks *m, const tone_slot *slots,
 		tone_lattice l;
 		tone_rest own;
 		uint8_t found[TONE_CHUNK] = {0};
-		bool spots = s->kind == tone_1_STIPPLE, stuck = tone_sticks(s);
-		const tone_rest *rest = stuck ? ISA(tone_rest_fill)(f, s, y, x, n, &own) : NULL;
+		const tone_rest *rest = tone_sticks(s) ? ISA(tone_rest_fill)(f, s, y, x, n, &own) : NULL;
 		fetch_ahead(f, thread);
-		ISA(tone_chart)(f, s, rest, y, x, n, chart);
-		ISA(tone_lattice_fill)(s->least, s->most, n, chart, &l);
-		fetch_ahead(f, thread);
-		for (int layer = 0; layer < (spots ? 1 : TONE_LAYERS); layer++)
-			hold(&l, layer, n, found);
-		if (spots && rest)
-			hold_beside_seam(f, s, rest, dark, y, x, n, found);
-		else if (!spots)
+		if (s->kind == tone_1_HATCH) {
+			ISA(tone_chart)(f, s, rest, y, x, n, chart);
+			fetch_ahead(f, thread);
+			ISA(tone_lattice_fill)(s->least, s->most, n, chart, &l);
+			for (int layer = 0; layer < TONE_LAYERS; layer++)
+				hold(&l, layer, n, found);
 			ISA(tone_ways)(f, m, slots, k, rest, y, x, n);
+		}
 		fetch_ahead(f, thread);
 		for (int i = 0; rest && i < n; i++)
 			found[i] = rest->at[ANCHOR_PIXEL][i] > 0 ? found[i] : TONE_LOST;
 		for (int i = 0; i < n; i++) {
 			int most = dark[i] == 0 ? 0 : dark[i] + DARKER_BESIDE < 255 ? dark[i] + DARKER_BESIDE : 255;
-			unsigned wanted = TONE_LOST | m->layers[spots][most];
+			unsigned wanted = TONE_LOST | m->layers[most];
 			bits[i] = (uint8_t)(bits[i] | (whose[i] == k ? found[i] & wanted : 0));
 		}
 	}
@@ -379,7 +342,7 @@ static const tone_slot *slot_at(const frame *f, const tone_marks *m, const uint8
 void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark *marks)
 {
 	const uint8_t *bits = tone_bytes(m, TONE_BITS, y), *whose = tone_bytes(m, TONE_WHOSE, y);
-	places p[2];
+	places p;
 	for (int x0 = 0; x0 < f->width; x0 += TONE_CHUNK) {
 		int end = f->width - x0 > TONE_CHUNK ? x0 + TONE_CHUNK : f->width, n = 0, columns[TONE_CHUNK];
 		for (int x = x0; x < end; x++)
@@ -392,16 +355,19 @@ void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark 
 		}
 		for (int i = 0, same; i < n; i += same) {
 			const tone_slot *s = slot_at(f, m, whose, columns[i], y);
-			int seam = 0, spots = s->kind == tone_1_STIPPLE;
-			for (same = 0; i + same < n && s == slot_at(f, m, whose, columns[i + same], y); same++)
-				seam |= spots && bits[columns[i + same]] & TONE_SECOND;
-			for (int second = 0; second <= (seam ? 1 : 0); second++)
-				places_fill(f, s, y, x0, columns + i, same, second, p + second);
+			for (same = 0; i + same < n && s == slot_at(f, m, whose, columns[i + same], y);)
+				same++;
+			int last = columns[i + same - 1] + 1;
+			if (s->kind == tone_1_STIPPLE) {
+				bool lacks;
+				marks += ISA(tone_spots_find)(f, m, y, columns[i], last - columns[i], marks, &lacks);
+				continue;
+			}
+			places_fill(f, s, y, x0, columns + i, same, &p);
 			for (int k = 0; k < same; k++)
 				for (int layer = 0, x = columns[i + k]; layer < TONE_LAYERS; layer++)
 					if (bits[x] / TONE_FOUND >> layer & 1)
-						*marks++ = spots ? mark_at(f, m, p + layer, k, 0, x, y)
-								 : mark_at(f, m, p, k, layer, x, y);
+						*marks++ = mark_at(f, m, &p, k, layer, x, y);
 		}
 	}
 }

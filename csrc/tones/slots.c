@@ -99,7 +99,7 @@ void ISA(tone_style_fill)(const frame *f, const encre_params *p, tone_style *t)
 		s->screen = t->screen + s->like;
 		s->picture = t->picture + s->like;
 		if (s->like == k)
-			ISA(tone_screen_fill)(t->screen + k, s, p->tone_hardness);
+			ISA(tone_screen_fill)(t->screen + k, s);
 	}
 	t->only = only_marks(t);
 	t->room = ISA(tone_room)(f->params, t);

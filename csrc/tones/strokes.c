@@ -270,12 +270,18 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 {
 	if (mark->other)
 		return;
+	if (mark->slot->kind == tone_1_STIPPLE) {
+		if (mark->size > 0)
+			draw_spot(b, mark->slot, (place){mark->x, mark->y, mark->size},
+				  object_at(b, mark->column, row));
+		return;
+	}
 	float step = tone_step(mark->reach), far = max(mark->reach + step, mark->pitch) + 2;
 	int x = tone_within(pixel_of(mark->x, b->f->place.x), b->f->width),
 	    y = tone_within(pixel_of(mark->y, b->f->place.y), b->f->height);
 	if ((float)y + 1 + far < (float)b->y0 || (float)y - far > (float)b->y1)
 		return;
-	const tone_width *widths = b->m->widths[mark->slot->kind == tone_1_STIPPLE ? TONE_SPOTS : mark->layer];
+	const tone_width *widths = b->m->widths[mark->layer];
 	const tone_block *about = b->m->blocks + y / TONE_BLOCK * tone_blocks(b->f->width) + x / TONE_BLOCK;
 	bool known = far < TONE_BLOCK;
 	if ((known && !(widths[about->darkest].shown > mark->rank)) || !gets_to(b, mark->column, row, x, y))
@@ -283,12 +289,6 @@ static void draw_mark(const brush *b, const tone_mark *mark, int row)
 	bool parted = b->parted && !(known && !about->parted);
 	int dark = tone_bytes(b->m, TONE_DARK, y)[x];
 	float object = object_at(b, x, y), pitch = mark->pitch * mark->size;
-	if (mark->slot->kind == tone_1_STIPPLE) {
-		float area = half_at(widths, mark->rank, full_cover / 3.14159265f, dark);
-		if (area > 0)
-			draw_spot(b, mark->slot, (place){mark->x, mark->y, pitch * sqrtf(area)}, object);
-		return;
-	}
 	/* a stroke whose width falls to both ends as a parabola has two thirds of its middle's on the mean */
 	float wide = 0.75f * full_cover / stroke_length * pitch;
 	place all[2 * TONE_PLACES_OUT + 1], *places = all + TONE_PLACES_OUT, back[TONE_PLACES_OUT];

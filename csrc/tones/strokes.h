@@ -3,10 +3,9 @@
 #ifndef ENCRE_STROKES_H
 #define ENCRE_STROKES_H
 
-#include "tones/tones.h"
+#include "tones/points.h"
 
 enum {
-	TONE_SPOTS = TONE_LAYERS, /* the row of tables that spots take */
 	/* what strokes need of a pixel, a byte each: */
 	TONE_DARK = 0, /* 1..255; 0: no mark fills it */
 	TONE_BITS,     /* whether the surface ends beside it; times 2^layer: the place of a mark is in it; whether its
@@ -25,7 +24,6 @@ enum {
 	TONE_ENDS_RIGHT = 4,
 	TONE_ENDS_DOWN = 8,
 	TONE_FOUND = 16,
-	TONE_SECOND = 2 * TONE_FOUND, /* of spots, which are one layer: on the lattice beyond a seam */
 	TONE_PLACES = TONE_FOUND * ((1 << TONE_LAYERS) - 1),
 	TONE_LOST = 128 /* nobody knows its place: it has the mean */
 };
@@ -37,7 +35,8 @@ static const float full_cover = 0.69314718f; /* area of all marks of a layer, ab
 /* A stroke or spot: pixels of the full frame, so that its numbers are the same in any part of it. */
 typedef struct tone_mark {
 	float x, y;  /* its middle */
-	float size;  /* how far it is grown along and across; beside a seam of lattices a little above 1 */
+	float size;  /* how far it is grown along and across; beside a seam of lattices a little above 1. Of a spot its
+			radius, pixels */
 	float rank;  /* 0..1, by which few or many are drawn */
 	float pitch; /* pixels */
 	float reach; /* half of its length; 0 of spots */
@@ -47,6 +46,9 @@ typedef struct tone_mark {
 	uint32_t name;  /* of the place */
 	int32_t off;    /* 256ths of the square of the way from its middle to the place, in pixels: so that of a place
 			   half-way between two pixels any rounding tells the same */
+	/* of a spot: the density at which it was born; how far, 0..1, those born before, nearer than so many pixels,
+	   take from it; and what they leave of its area */
+	float born, thinned, within, weight;
 	uint8_t layer;
 	bool other; /* a pixel beside holds it, too, and rather */
 } tone_mark;
@@ -79,9 +81,11 @@ struct tone_marks {
 	int32_t width;
 	int64_t *first; /* height + 1: of each row */
 	tone_mark *marks;
-	tone_width widths[TONE_LAYERS + 1][256]; /* by layer, spots last, and darkness */
-	uint8_t layers[2][256]; /* of strokes and of spots, TONE_FOUND << layer of those that a darkness has */
-	float way[256][2];      /* by tone_way_of() */
+	uint8_t *lacks; /* of each row: its spots are not counted; NULL: there are none */
+	blue_wanted wanted;
+	tone_width widths[TONE_LAYERS][256]; /* by layer and darkness */
+	uint8_t layers[256];                 /* TONE_FOUND << layer of those that a darkness has */
+	float way[256][2];                   /* by tone_way_of() */
 };
 
 static inline uint8_t *tone_bytes(const tone_marks *m, int what, int y)
@@ -151,6 +155,11 @@ void ISA(tone_marks_find)(const frame *f, const tone_marks *m, int y, tone_mark 
 void ISA(tone_marks_sift)(const frame *f, const tone_marks *m, int y);
 /* strokes.c: the ink that rows have of marks whose places are at most `reach` rows away. */
 void ISA(tone_marks_draw)(const frame *f, const tone_marks *m, int reach, int y0, int y1);
+/* stipple.c: the spots of n pixels of a row, counted where marks is NULL, and then written, in the order of columns.
+ * lacks: points that they need are not known; they are asked for. */
+int ISA(tone_spots_find)(const frame *f, const tone_marks *m, int y, int x, int n, tone_mark *marks, bool *lacks);
+/* sieve.c: takes from spots of slanted surfaces what is too much. */
+int32_t ISA(tone_spots_thin)(frame *f, tone_marks *m);
 /* passes.c: what strokes need of rows; and ink of all, where `looked` from there on. */
 void ISA(tone_marks_rows)(const frame *f, const tone_marks *m, int y0, int y1, int thread);
 int32_t ISA(tone_marks_run)(frame *f, tone_marks *m, bool looked);

@@ -20,13 +20,14 @@ void ISA(tone_chart)(const frame *f, const tone_slot *s, const tone_rest *rest, 
 		     tone_field chart[2])
 {
 	/* strokes along the rows of their lattice would cover each other, and leave gaps side by side */
-	bool strokes = s->kind == tone_1_HATCH;
-	float c = strokes ? 0.9363292f * s->across[0] - 0.3511234f * s->across[1] : s->across[0];
-	float d = strokes ? 0.9363292f * s->across[1] + 0.3511234f * s->across[0] : s->across[1];
+	bool strokes = s->kind == tone_1_HATCH, spots = s->kind == tone_1_STIPPLE; /* these lie in no rows to turn */
+	float c = strokes ? 0.9363292f * s->across[0] - 0.3511234f * s->across[1] : spots ? 1 : s->across[0];
+	float d = strokes ? 0.9363292f * s->across[1] + 0.3511234f * s->across[0] : spots ? 0 : s->across[1];
+	float unit = spots ? 1 : s->unit;
 	if (rest)
-		ISA(tone_surface_chart)(rest, n, c / s->unit, d / s->unit, chart);
+		ISA(tone_surface_chart)(rest, n, c / unit, d / unit, chart);
 	else {
-		float per = 1 / (tone_marked(s) ? tone_mark_pitch(s) : max(s->pitch, 2));
+		float per = spots ? 1 : 1 / (strokes ? tone_mark_pitch(s) : max(s->pitch, 2));
 		ISA(tone_screen_field)(f, y, x, n, c * per, -d * per, chart);
 		ISA(tone_screen_field)(f, y, x, n, d * per, c * per, chart + 1);
 	}
@@ -168,11 +169,13 @@ static void ink_row(const frame *f, const encre_params *p, const tone_slot *s, i
 
 /* Ink over the picture, and over what the output has of tones. */
 static void draw_row(const tone_slot *s, int n, const float *restrict ink, const float *restrict share,
-		     float *restrict surface, float *restrict tones)
+		     const bool *restrict clear, float *restrict surface, float *restrict tones)
 {
 	for (int i = 0; i < n; i++) {
-		float t = ink[i] * share[i], alpha = surface[4 * i + 3];
+		float t = ink[i] * share[i];
 		t = s->crisp ? t >= 0.5f : t;
+		surface[4 * i + 3] = clear[i] ? blend(surface[4 * i + 3], 1, t) : surface[4 * i + 3];
+		float alpha = clear[i] ? 1 : surface[4 * i + 3];
 		for (int c = 0; c < 3; c++)
 			surface[4 * i + c] = blend(surface[4 * i + c], bounded(s->color[c] * alpha), t);
 		for (int c = 0; c < 4 && tones; c++)
@@ -187,23 +190,36 @@ static const tone_style *tones_of(const frame *f, const encre_params *p)
 	return ((const tone_frame *)f->tones)->styles + (p - f->params);
 }
 
+/* On bare paper a shadow that a catcher shows is its tones alone, between which all else is seen. */
+static void clear_shadows(const frame *f, int y, int x, int n, float *restrict surface, bool *restrict clear)
+{
+	bool caught = f->params->surface == surface_PAPER && ISA(tone_caught)(f, y, x, n, clear);
+	for (int i = 0; i < n; i++) {
+		clear[i] = caught && clear[i] && surface[4 * i + 3] < 1;
+		for (int c = 0; c < 4; c++)
+			surface[4 * i + c] = clear[i] ? 0 : surface[4 * i + c];
+	}
+}
+
 /* The darkest level's ink comes last. */
 static void tone_run(const frame *f, const encre_params *p, int y, int x, int n, int thread)
 {
 	float ink[TONE_CHUNK];
+	bool clear[TONE_CHUNK];
 	tone_wanted w;
 	const tone_style *style = tones_of(f, p);
 	const tone_slot *slots = style->slot;
 	float *tones = output_row(f, ENCRE_OUTPUT_TONES, y),
 	      *surface = output_row(f, ENCRE_OUTPUT_COMBINED, y) + (ptrdiff_t)4 * x;
 	tones = tones ? tones + (ptrdiff_t)4 * x : NULL;
+	clear_shadows(f, y, x, n, surface, clear);
 	if (style->only >= 0) { /* what was wanted then */
 		const tone_marks *m = ((const tone_frame *)f->tones)->marks;
 		const uint8_t *share = tone_bytes(m, TONE_SHARE, y) + x;
 		for (int i = 0; i < n; i++)
 			w.share[0][i] = (float)share[i] * (1.0f / 255);
 		marks(f, y, x, n, ink);
-		draw_row(slots + style->only, n, ink, w.share[0], surface, tones);
+		draw_row(slots + style->only, n, ink, w.share[0], clear, surface, tones);
 		return;
 	}
 	fetch_ahead(f, thread);
@@ -214,7 +230,7 @@ static void tone_run(const frame *f, const encre_params *p, int y, int x, int n,
 			continue;
 		ink_row(f, p, slots + k, y, x, n, thread, w.dark[k], ink);
 		fetch_ahead(f, thread);
-		draw_row(slots + k, n, ink, w.share[k], surface, tones);
+		draw_row(slots + k, n, ink, w.share[k], clear, surface, tones);
 	}
 }
 
@@ -265,6 +281,18 @@ static bool marked(const frame *f)
 	return found;
 }
 
+static bool stippled(const frame *f)
+{
+	bool found = false;
+	for (int i = 0; i < f->n_styles; i++) {
+		const encre_params *p = f->params + i;
+#define IN(n) || p->tone_##n == tone_##n##_STIPPLE
+		found |= p->use_tones && (false TONE_EACH(IN));
+#undef IN
+	}
+	return found;
+}
+
 static bool screened(const frame *f)
 {
 	bool found = false;
@@ -288,8 +316,10 @@ static bool lit(const frame *f)
 
 static bool works(const frame *f)
 {
-	return marked(f) || tone_fitted(f);
+	return marked(f) || tone_fitted(f) || tone_spots_small(f);
 }
+
+enum { WANTED = 1 << 15 /* tiles of points that find a place at once */ };
 
 static void plan(frame *f, arena *a)
 {
@@ -299,6 +329,7 @@ static void plan(frame *f, arena *a)
 	tone_frame *t = arena_take(a, 1, sizeof *t);
 	tone_frame own = {.styles = arena_take(a, (size_t)f->n_styles, sizeof *own.styles)};
 	own.detail.prints = marked(f) || screened(f);
+	own.spotted = tone_spots_small(f) ? arena_take(a, (size_t)f->width * (size_t)f->height, 1) : NULL;
 	ISA(tone_detail_plan)(f, &own.detail, a);
 	if (marked(f)) {
 		tone_marks *m = own.marks = arena_take(a, 1, sizeof *m);
@@ -308,6 +339,8 @@ static void plan(frame *f, arena *a)
 			.ink = arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *planes.ink),
 			.blocks = arena_take(a, (size_t)tone_blocks(f->width) * (size_t)tone_blocks(f->height),
 					     2 * sizeof *planes.blocks),
+			.wanted = {stippled(f) ? arena_take(a, WANTED, sizeof *planes.wanted.key) : NULL, WANTED - 1},
+			.lacks = stippled(f) ? arena_take(a, (size_t)f->height, sizeof *planes.lacks) : NULL,
 			.turns = lit(f) ? arena_take(a, TONE_TURNS, sizeof *planes.turns) : NULL,
 			.width = f->width,
 			.first = arena_take(a, (size_t)f->height + 1, sizeof *planes.first)};
@@ -321,9 +354,28 @@ static void plan(frame *f, arena *a)
 		plan_pictures(f, f->params + i, own.styles ? own.styles[i].picture : NULL, a);
 }
 
+/* What is seen where nothing is: a sky, if any of it has light, for where none has it is not meant as a night; and
+ * shadows that were caught. */
+static void look_at_nothing(const frame *f, tone_frame *t)
+{
+	t->night = t->caught = false;
+	for (int y = 0; y < f->height && !(t->night && t->caught); y++) {
+		const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y), *c = layer_row(f, ENCRE_LAYER_COMBINED, y);
+		const float *d = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
+		for (int x = 0; depth && c && d && x < f->width; x++, c += 4, d += 3) {
+			bool nothing = !(depth_of(depth[x]) < INFINITY);
+			t->night |= nothing && c[3] > tone_film && max3(c[0], c[1], c[2]) > 0;
+			t->caught |= nothing && max3(d[0], d[1], d[2]) > 0;
+		}
+	}
+	t->night &= !(f->params->tone_sky > 0);
+}
+
 static int32_t prepare(frame *f)
 {
 	tone_frame *t = f->tones;
+	if (t)
+		look_at_nothing(f, t);
 	for (int i = 0; i < f->n_styles && t; i++)
 		if (f->params[i].use_tones)
 			ISA(tone_style_fill)(f, f->params + i, t->styles + i);
@@ -340,7 +392,7 @@ static int32_t prepare(frame *f)
 /* Whether strokes are told by layers of their pixels alone, without what is clear of them and how whole things lie. */
 static bool looks_first(const tone_frame *t)
 {
-	return t && t->marks && !t->detail.keep && !t->marks->turns;
+	return t && t->marks && !t->detail.keep && !t->spotted && !t->marks->turns;
 }
 
 static void first_rows(void *data, int y0, int y1, int thread)
@@ -354,7 +406,9 @@ static void first_rows(void *data, int y0, int y1, int thread)
 static int32_t run(frame *f)
 {
 	tone_frame *t = f->tones;
-	int32_t code = t && t->detail.keep ? ISA(tone_detail_run)(f, &t->detail) : ENCRE_OK;
+	int32_t code = t && t->spotted ? ISA(tone_blacks_run)(f, t->spotted) : ENCRE_OK;
+	if (!code && t && t->detail.keep)
+		code = ISA(tone_detail_run)(f, &t->detail);
 	if (!code && t && t->detail.room)
 		code = ISA(tone_room_run)(f, &t->detail, t->styles);
 	return !code && t && t->marks ? ISA(tone_marks_run)(f, t->marks, looks_first(t)) : code;

@@ -17,7 +17,8 @@ enum {
 	TONE_LAYERS = 3 /* of strokes */,
 	TONE_DETAIL_MOST = 32 /* pixels */,
 	TONE_DETAIL_FAR = TONE_DETAIL_MOST + TONE_DETAIL_MOST / 2 + 1,
-	TONE_ROOM_MOST = 60
+	TONE_ROOM_MOST = 60,
+	TONE_SPOTTED = 255
 };
 
 #define TONE_EACH(X) X(1) X(2) X(3) X(4) X(5) X(6)
@@ -35,10 +36,9 @@ typedef struct tone_rest {
 
 /* One look of dots or lines. */
 typedef struct tone_screen {
-	float pitch;           /* pixels, at least 2; where there are many, that of `radius` */
-	float least, most;     /* pixels between which it is what it is on the thing; else octaves keep it there */
-	float soft, more_soft; /* pixels over which edges fade, at least 1; and for each pixel of pitch; next to nothing
-				  of crisp ones */
+	float pitch;       /* pixels, at least 2; where there are many, that of `radius` */
+	float least, most; /* pixels between which it is what it is on the thing; else octaves keep it there */
+	float soft;        /* pixels over which edges fade, at least 1; next to nothing of crisp ones */
 	/* radius of full-grown dots of this pitch in pixels, by how slanted rows lie, by halfway() of how grown dots
 	   between are, along rows and across, and by even() of the darkness */
 	float radius[TONE_SHEARS][TONE_BIRTHS][TONE_BIRTHS][TONE_STEPS];
@@ -103,6 +103,11 @@ typedef struct tone_wanted {
 	bool any[TONE_SLOTS];
 } tone_wanted;
 
+/* How strokes along the form, and those across, go on the screen: two columns. */
+typedef struct tone_ground {
+	float along[2][TONE_CHUNK], across[2][TONE_CHUNK];
+} tone_ground;
+
 /* Points at the whole numbers of two fields, so many to the unit along each that they are a pitch or up to two apart on
  * the screen; where the unit itself is between the least pitch and the most, one. */
 typedef struct tone_lattice {
@@ -132,6 +137,9 @@ typedef struct tone_frame {
 	tone_style *styles;
 	tone_marks *marks;
 	tone_detail detail;
+	bool caught;      /* shadows are seen where nothing is: they have light, and no color */
+	bool night;       /* the sky is some light's color, and may be black as anything that is dark */
+	uint8_t *spotted; /* by pixel, TONE_SPOTTED where a black is one, else 0; NULL: all are */
 } tone_frame;
 
 /* tones.c: the coordinates of a slot's dots, spots and strokes; on the screen without `rest`. */
@@ -150,7 +158,12 @@ int32_t ISA(tone_ground_run)(frame *f, const tone_detail *d);
 int32_t ISA(tone_room_run)(frame *f, const tone_detail *d, const tone_style *styles);
 float ISA(tone_room)(const encre_params *p, const tone_style *style);
 
+/* blacks.c: fills it. */
+int32_t ISA(tone_blacks_run)(frame *f, uint8_t *spotted);
+
 /* dark.c */
+/* Tells which of n pixels show the shadow that a catcher has caught; false: none does. */
+bool ISA(tone_caught)(const frame *f, int y, int x, int n, bool *caught);
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w);
 
 /* fields.c: the layer anchor at n pixels, of a flat slot that of its sheet, written into `room`, which holds as many;
@@ -165,6 +178,9 @@ void ISA(tone_surface_field)(const tone_rest *rest, int n, const float along[3],
 void ISA(tone_surface_chart)(const tone_rest *rest, int n, float cosine, float sine, tone_field field[2]);
 void ISA(tone_cut)(const tone_rest *rest, int n, const float along[3], float *restrict cut);
 
+/* ways.c: which way strokes go on n pixels of surfaces, by their forms. */
+void ISA(tone_ground_fill)(const tone_rest *rest, int n, tone_ground *g);
+
 /* pictures.c: a tile for a pitch, without memory yet; its thresholds; ink of n pixels. */
 tone_picture ISA(tone_picture_of)(const encre_image *image, float pitch);
 int32_t ISA(tone_picture_fill)(frame *f, tone_picture *p);
@@ -175,7 +191,7 @@ void ISA(tone_picture_row)(const tone_slot *s, int n, const tone_field chart[2],
 void ISA(tone_spread_fill)(float pitch, int n, const tone_field field[2], tone_spread *s);
 /* The radius that is drawn for a disc of radius r, in pixels, so that small ones are not too dark. */
 float ISA(tone_true_radius)(float r);
-void ISA(tone_screen_fill)(tone_screen *screen, const tone_slot *s, float hardness);
+void ISA(tone_screen_fill)(tone_screen *screen, const tone_slot *s);
 void ISA(tone_lattice_fill)(float least, float most, int n, const tone_field field[2], tone_lattice *l);
 void ISA(tone_dots)(const tone_screen *screen, int n, const tone_field field[2], const float *restrict dark,
 		    float *restrict ink);
@@ -211,6 +227,31 @@ static inline bool tone_flat(const tone_slot *s)
 {
 	return s->space == tone_1_space_FLAT;
 }
+
+/* Whether blacks are spotted only where they are small. */
+static inline bool tone_spots_small(const frame *f)
+{
+	return f->any.use_tones && f->params->tone_black_widest > 0;
+}
+
+/* What is compared with tone_black. */
+static inline float tone_lightness(const encre_params *p, float r, float g, float b)
+{
+	return p->tone_black_by == tone_black_by_LUMINANCE ? luminance(r, g, b) : max3(r, g, b);
+}
+
+/* How deep a red or a blue is, which looks darker than its luminance: no skin has more red than 2.6 times its green,
+ * all but, and none is blue. */
+static inline float tone_deep(float r, float g, float b)
+{
+	static const float skin = 2.6f, sky = 1.6f;
+	float most = max(g, b), red = (r - skin * most) / max(most, FLT_MIN);
+	float other = max(r, g), blue = (b - sky * other) / max(other, FLT_MIN);
+	return clamp01(max(red, blue));
+}
+
+/* A film that lets through less than this is opaque: what is seen of it is a sky. */
+static const float tone_film = 0.999f;
 
 static inline bool tone_fitted(const frame *f)
 {

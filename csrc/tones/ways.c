@@ -14,11 +14,6 @@ static void turn_layer(const tone_slot *s, int layer, float *c, float *d)
 
 /* ---- ways -------------------------------------------------------------------------------------------------- */
 
-/* How strokes along the form, and those across, go on the screen: two columns. */
-typedef struct tone_ground {
-	float along[2][TONE_CHUNK], across[2][TONE_CHUNK];
-} tone_ground;
-
 static inline float dot3(float x, float y, float z, float u, float v, float w)
 {
 	return x * u + y * v + z * w;
@@ -75,13 +70,18 @@ KERNEL void ground(const tone_rest *rest, const bool by_uv, const float *restric
 	}
 }
 
+void ISA(tone_ground_fill)(const tone_rest *rest, int n, tone_ground *g)
+{
+	ground(rest, false, NULL, n, g);
+}
+
 static void ground_of(const frame *f, const tone_slot *s, const tone_rest *rest, int y, int x, int n, tone_ground *g)
 {
 	const float *tangent = s->by_uv ? layer_row(f, ENCRE_LAYER_TANGENT, y) : NULL;
 	if (tangent)
 		ground(rest, true, tangent + (ptrdiff_t)3 * x, n, g);
 	else
-		ground(rest, false, NULL, n, g);
+		ISA(tone_ground_fill)(rest, n, g);
 }
 
 /* Likewise of strokes toward the light: that from the camera's side, as things are small beside how far they are. */
@@ -89,11 +89,20 @@ static void ground_of_light(const frame *f, const tone_slot *s, int y, int x, in
 {
 	const float *normal = layer_row(f, ENCRE_LAYER_NORMAL, y) + (ptrdiff_t)3 * x, *v = f->camera.view,
 		    *l = s->light;
+	/* Planes side by side that hold the light and the eye: they meet nowhere on the side that is seen but at its
+	 * rims, while meridians from the light would be a star where it comes from and at the darkest place. */
+	float bx = l[1], by = -l[0], far = sqrtf(bx * bx + by * by);
+	bx = far > 1e-3f ? bx / far : 1;
+	by = far > 1e-3f ? by / far : 0;
 	for (int i = 0; i < n; i++) {
 		float a = normal[3 * i], b = normal[3 * i + 1], c = normal[3 * i + 2];
 		float nx = dot3(v[0], v[1], v[2], a, b, c), ny = dot3(v[3], v[4], v[5], a, b, c),
-		      nz = dot3(v[6], v[7], v[8], a, b, c), facing = dot3(nx, ny, nz, l[0], l[1], l[2]);
-		float tx = l[0] - facing * nx, ty = l[1] - facing * ny, tz = l[2] - facing * nz;
+		      nz = dot3(v[6], v[7], v[8], a, b, c);
+		float tx = by * nz, ty = -bx * nz, tz = bx * ny - by * nx;
+		bool none = !(dot3(tx, ty, tz, tx, ty, tz) > 1e-12f); /* no normal, or along the planes' axis */
+		tx = none ? l[0] : tx;
+		ty = none ? l[1] : ty;
+		tz = none ? l[2] : tz;
 		g->along[0][i] = tx;
 		g->along[1][i] = -ty;
 		g->across[0][i] = ny * tz - nz * ty;
@@ -145,7 +154,8 @@ static void hold_light(const frame *f, const tone_marks *m, const tone_slot *s, 
 		}
 		float on = dot3(light[0], light[1], light[2], along[0], along[1], along[2]),
 		      off = dot3(light[0], light[1], light[2], side[0], side[1], side[2]),
-		      turn = on * off / max(on * on + off * off, 1e-30f);
+		      square_light = dot3(light[0], light[1], light[2], light[0], light[1], light[2]),
+		      turn = on * off / max(square_light, 1e-30f);
 		float held[3], across[3];
 		for (int c = 0; c < 3; c++) {
 			held[c] = along[c] + turn * side[c];

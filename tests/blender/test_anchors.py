@@ -88,7 +88,7 @@ def test_tones_stick_to_surfaces_at_f12(render):
     """Dots lie where the layer `anchor` of the same file has them, at the darkness of the one level there is."""
     passes = render("anchored").passes("own")
     anchor = layer(passes)
-    looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False, tone_hardness=1.0)
+    looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False)
     want = tones._ink(SimpleNamespace(anchor=np.float64(anchor), card=None), looks.__getitem__,
                       ("DOTS", 60.0, 45.0, "SURFACE"), np.full(anchor.shape[:2], 0.4), 90 / 1080, None, None)
     there = anchor[..., 6] > 0
@@ -110,7 +110,7 @@ def test_flat_tones_lie_on_the_sheets_of_things(render):
         assert np.ptp(size) < 1e-6 * size.max() and abs(size[0] / np.median(depth[at] * 36 / 50 / 160) - 1) < 0.2
         place = np.abs(card[at][:, :2])
         assert np.abs(np.median(card[at][:, :2], 0)).max() < 0.3 * half and place.max() < 2 * half
-    looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False, tone_hardness=1.0)
+    looks = dict(tone_pitch_unit="LENGTH", tone_crisp=False)
     want = tones._ink(SimpleNamespace(anchor=None, card=np.float64(card)), looks.__getitem__,
                       ("DOTS", 60.0, 45.0, "FLAT"), np.full(card.shape[:2], 0.4), 90 / 1080, None, None)
     there = card[..., 2:].any(-1)

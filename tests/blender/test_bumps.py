@@ -17,7 +17,7 @@ def test_bumps_turn_light_as_cycles_has_it(render):
     shot = render("bumps")
     theirs, ours, flat, long = (shot.passes(name) for name in ("cycles", "encre", "flat", "long"))
     index = ours["Encre Index"][..., 0]
-    for name in ("Encre Index", "Normal", "Encre Creases", "Encre Lines"):  # lines follow the mesh
+    for name in ("Encre Index", "Normal", "Encre Lines"):  # lines follow the mesh
         np.testing.assert_array_equal(ours[name], flat[name])
     for number in np.unique(index[index > 0]):
         where = (index == number) & inside(index)

@@ -90,6 +90,14 @@ def test_a_style_that_is_renamed_keeps_its_users_and_has_a_name_of_its_own(copie
     assert copied["renamed"] == [[["Style", "Style.001", "Style.002"], "Style.001", "Lost"], ["Style"]]
 
 
+def test_levels_as_a_ramp(copied):
+    before, (same, more, taken), left = copied["ramp"]
+    assert sum(same, []) == pytest.approx(sum(before, []), abs=1e-5)
+    assert len(more) == 4 and more[3][1] - more[2][1] > (more[2][2] + more[3][2]) / 2 - 1e-6, "they overlap"
+    assert taken == pytest.approx([0.5, 0.7, 1.1, 1.0])
+    assert not left, "the texture that held the ramp"
+
+
 def test_rows_are_reset_to_the_preset_or_the_default(copied):
     assert copied["reset"] == [[4, 8], [0, 0]]
     assert copied["levels"] == [3, 2], "one more than the preset has, and its own"

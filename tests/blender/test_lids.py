@@ -21,15 +21,16 @@ def sampled(picture, x, y):
             + (at(1, 0) * (1 - right) + at(1, 1) * right) * down)
 
 
-def outermost(ink, x, y, reach):
-    """Widths of the outermost line about a place, at every pixel of its length."""
+def outermost(ink, x, y, reach, alone):
+    """Widths of the outermost line about a place, at every pixel of its length; alone: the least share of ways from the
+    place on which no second line is beside it."""
     turn = np.linspace(0, 2 * np.pi, int(2 * np.pi * reach), endpoint=False)
     far = np.arange(0, reach, 0.25)
     shown = sampled(ink, x + np.cos(turn)[:, None] * far, y + np.sin(turn)[:, None] * far)
     last = np.array([far[np.flatnonzero(row > INKED)[-1]] for row in shown])  # fails where there is a gap
     near = (far > last[:, None] - LINE) & (far < last[:, None] + 2)
     on = (shown > INKED) & near
-    assert ((on[:, 1:] & ~on[:, :-1]).sum(1) == 1).all(), "no second line beside it"
+    assert ((on[:, 1:] & ~on[:, :-1]).sum(1) == 1).mean() >= alone, "no second line beside it"
     width, radius = (shown * near).sum(1) * 0.25, (shown * near * far).sum(1) / (shown * near).sum(1)
     even = np.mean([np.roll(radius, k) for k in range(-4, 5)], axis=0)
     width = width * np.cos(np.arctan2(np.gradient(even) / turn[1], radius))  # it is not crossed at a right angle
@@ -39,11 +40,12 @@ def outermost(ink, x, y, reach):
 
 @pytest.mark.parametrize("view", range(3))
 def test_a_lid_s_line_neither_jumps_nor_has_blobs(render, view):
-    width = outermost(render("lids").passes(f"view {view}")["Encre Lines"][..., 3], *MIDDLES[view])
+    width = outermost(render("lids").passes(f"view {view}")["Encre Lines"][..., 3], *MIDDLES[view],
+                      alone=(0.96, 1, 1)[view])  # where a slit opens by a pixel the first lid's second contour is faint
     assert len(width) > 600
     ratio = width[ASIDE:] / width[:-ASIDE]
     ratio = np.maximum(ratio, 1 / ratio)
     # 1.7 when lines came from pixels: where a full outline meets a fold that fades, the width changes within 3 px
-    assert np.percentile(ratio, 95) < 1.25 and ratio.max() < 2
+    assert np.percentile(ratio, 95) < 1.2 and ratio.max() < 2
     about = np.array([np.median(np.take(width, range(k - 20, k + 21), mode="wrap")) for k in range(len(width))])
-    assert (width < 1.6 * about).all() and (width > 0.6 * about).all()  # 0.75 then, as above
+    assert (width < 1.4 * about).all() and (width > 0.7 * about).all()

@@ -116,7 +116,7 @@ def test_lamps_that_are_linked(render):
 
 def test_without_a_lamp_that_can_be_drawn_one_sentence_and_cycles_light(render):
     shot = render("unlit")
-    assert "no lamp and no world that can be drawn: the light is Cycles'" in shot.output
+    assert "there is no lamp, and no world that Encre can read: the light is Cycles'" in shot.output
     assert "the world's node Magic Texture" in shot.output
     passes = shot.passes("unlit")
     assert passes["Encre Diffuse"].any()

@@ -155,6 +155,16 @@ def test_normal_maps_turn_light_as_cycles_has_it(render):
     assert count > 2500 and sides == 2 and apart < 1e-3 and same
 
 
+def test_colors_part_where_other_materials_read_more_of_meshes(render):
+    """Where a picture's colors part is found by running its material alone."""
+    shot = render("normal_maps")
+    printed, bare = (shot.passes(name)["Combined"][..., :3].sum(2) for name in ("printed", "unprinted"))
+    here = shot.passes("printed")["DiffCol"].std(2) > 0.02  # the print: all else is gray
+    assert here.mean() > 0.02 and (printed < bare)[here].mean() > 0.005
+    assert (printed[~here] == bare[~here]).mean() > 0.99
+
+
+
 @pytest.mark.slow
 def test_hair_is_where_cycles_has_it(render):
     shot = render("hair")
@@ -188,12 +198,13 @@ def test_what_only_cycles_can_show_is_said_in_one_line(render):
     assert passes["DiffDir"].max() > 0.5
 
 
-def test_what_is_not_shown_is_said_in_two_lines(render):
+def test_what_is_not_shown_is_said_in_a_line_a_kind(render):
     said = render("what_is_not_shown").output
     lost = "its displacement, its volume, Wavelength"
     assert said.count(f"materials that show more in Cycles: Red ({lost}); choose Full for Render to see them") == 1
     things = re.findall("not shown, as only Cycles can show it: (.*); choose Full for Render", said)
     assert things == ["Fog (a volume)"]
+    assert said.count("drawn with the faces of their coarse mesh: Ball; switch off Adaptive Subdivision") == 1
 
 
 @pytest.mark.slow

@@ -43,11 +43,12 @@ def test_files_that_blender_writes_besides(facts):
 
 
 def test_a_view_transform_that_makes_paper_grey_is_noted(facts):
-    """In a PNG, not in layers, to which none is applied."""
+    """In a PNG, not in layers, to which none is applied. A file for another engine gets Standard."""
     found = facts("view_transforms")
     [[[kind, text]]] = found["washed out said"]
     assert kind == "note" and "Filmic" in text and "choose Standard" in text and found["washed out strict"] == [None]
     assert found["layers said"] == found["standard said"] == [[]]
+    assert found["another engine said"] == [[]] and found["another engine"] == [["Standard", 0]]
 
 
 def test_files_that_cannot_be_used(facts):

@@ -3,9 +3,7 @@
 
 import numpy as np
 import pytest
-from encre.cli import multilayer
-from encre.cli.composite import composite
-from encre.pen import library, metadata, supersample
+from encre.pen import metadata, supersample
 
 
 @pytest.mark.slow
@@ -90,71 +88,3 @@ def test_shrink():
     for name in ("Depth", "Object Index", "CryptoObject00", "Encre Index"):
         assert np.array_equal(supersample.shrink(name, picture, 2), picture[1::2, 1::2]), name
     assert supersample.shrink("Normal", picture[:3, :3], 3).shape == (1, 1, 2)
-
-
-def test_marks_keep_their_place():
-    marks = np.zeros((6, 9, 3), np.float32)
-    marks[1, 2, 0] = 0.5      # from the middle of one group to that of the next: the second third of the way
-    marks[4, 1, 0] = -0.25    # a seam before a line
-    marks[4, 3, 0] = 0.75
-    marks[3, 7, 1] = -1
-    marks[1, 5, 0] = -6.25    # a seam three steps before what is behind it
-    marks[0, 0, 0] = marks[2, 2, 1] = 0.5  # not on a way between the middles
-    marks[1, 8, 0] = 0.5      # beyond the last
-    small = supersample.shrink("Encre Marks", marks, 3)
-    wanted = np.zeros((2, 3, 3), np.float32)
-    wanted[0, 0, 0], wanted[1, 0, 0], wanted[0, 2, 1], wanted[0, 2, 0] = 1.5 / 3, 2.75 / 3, -1, 1.5 / 3
-    wanted[0, 1, 0] = -(1.25 / 3 + 6)
-    assert np.allclose(small, wanted)
-
-
-def test_of_marks_on_one_way_the_first_line_is_kept_then_the_first_seam():
-    rng = np.random.default_rng(1)
-    marks = np.zeros((8, 12, 3), np.float32)
-    marks[..., :2] = rng.choice([0, 0.25, 0.5, -0.25, -1], marks[..., :2].shape)
-    small = supersample.shrink("Encre Marks", marks, 4)
-    for axis in (0, 1):
-        for row, column in np.ndindex(*small.shape[:2]):
-            y, x = 4 * row + 2, 4 * column + 2
-            way = [marks[y + k * axis, x + k * (1 - axis), axis] for k in range(4)
-                   if y + k * axis < 8 and x + k * (1 - axis) < 12]
-            found = [(part < 0, k, part) for k, part in enumerate(way) if part]
-            seam, k, part = min(found, default=(False, 0, 0))
-            assert small[row, column, axis] == (k + abs(part)) / 4 * (-1 if seam else 1) if found else 0
-
-
-def test_every_sub_frame_has_noise_of_its_own(render):
-    """With one seed for all, the mean of four would be as noisy as each."""
-    shot = render("noise")
-    noise = {name: np.diff(shot.passes(name)["DiffDir"][2:-2, 2:-2, 0], axis=1).std() for name in ("one", "two")}
-    assert 0.01 < noise["two"] < 1.8 * noise["one"]
-
-
-def test_pixels_are_of_the_frame():
-    """With lengths in pixels the library multiplies them; relative ones follow the frame's height by themselves."""
-    rng = np.random.default_rng(0)
-    combined = rng.random((40, 60, 4), np.float32)
-    pictures = {"combined": combined, "color": combined[..., :3], "diffuse": combined[..., :3],
-                "depth": np.where(np.arange(60) < 30, 1, 5).astype(np.float32) + np.zeros((40, 1), np.float32),
-                "normal": np.zeros((40, 60, 3), np.float32)}
-
-    def ink(**values):
-        settings = {"use_shading": False, **values}
-        return library.render(pictures, settings, outputs=("Encre Lines",)).images["Encre Lines"]
-
-    assert np.array_equal(ink(length_unit="PIXELS", line_thickness=4, paper_scale=2),
-                          ink(length_unit="PIXELS", line_thickness=2, paper_scale=1, supersample=2, smudge_range=5,
-                              smudge_pick=3.5, line_thickest=64))
-    assert np.array_equal(ink(line_thickness=100), ink(line_thickness=100, supersample=4))
-
-
-def test_composite_draws_at_the_frames_size(render):
-    shot, said = render("supersampled"), []
-    composite(str(shot.folder / "two.exr"), str(shot.folder / "again.exr"), {}, "ViewLayer",
-              say=lambda *words: said.append(words))
-    assert len(said) == 1 and said[0][0] == "note" and "supersample" in said[0][1]
-    again = shot.passes("again")["Combined"]
-    one = shot.passes("one")["Combined"]
-    assert again.shape == one.shape and np.abs(again - one).mean() < 0.05
-    with multilayer.Exr(str(shot.folder / "again.exr")) as file:
-        assert any(name.endswith("Encre Lines.A") for name in file.channels)

@@ -48,6 +48,18 @@ def test_encres_panel_stands_under_the_engines_row(shot):
     assert fact(shot, "drawn") == ["RENDER_PT_context", "ENCRE_PT_encre", "CYCLES_RENDER_PT_sampling"]
 
 
+def test_a_scene_for_which_encre_is_chosen_first_begins_with_a_fast_look(shot):
+    assert fact(shot, "first look") == ["cel", "ENCRE"]
+
+
+def test_encres_view_offers_no_light_that_only_cycles_has(shot):
+    assert fact(shot, "pop-over") == [[], ["lighting", "render_pass"]]
+
+
+def test_a_style_is_made_for_what_is_selected_and_changed_there(shot):
+    assert fact(shot, "styled") == ["Cube", "Cube", "", ["ink_color"], 1]
+
+
 def test_cycles_panels_and_nodes_are_there(shot):
     assert fact(shot, "cycles panels") > 100
     assert fact(shot, "cycles panels without Encre") == []

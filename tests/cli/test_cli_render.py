@@ -220,7 +220,8 @@ def test_blend_file(tmp_path):
     works(encre("render", path, "-o", tmp_path / "a.exr"))
     before = blend.read_bytes()
     said = works(encre("render", blend, "-o", tmp_path / "b.exr"))
-    assert "frame 7 (1/1)" in said and "does not know, and which change nothing: edge_normal;" in said
+    assert "frame 7 (1/1)" in said
+    assert "does not know these settings of the file, which change nothing: edge_normal;" in said
     assert metadata.read(exr.metadata(tmp_path / "b.exr")).scene["line_thickness"] == 21
     assert blend.read_bytes() == before
 

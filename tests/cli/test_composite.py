@@ -12,7 +12,8 @@ import pytest
 from command import OFF, SIZE, STYLES, expected, fails
 from encre.cli import composite, installed, multilayer
 from encre.pen import layers, metadata, presets, saved
-from encre.pen.job import Camera, Frame
+from encre.pen.job import Camera, Chains, Frame
+from known import line
 
 WRITTEN = [name for name in ("Combined", *layers.DRAWN) if name != "Encre Tones"]  # where no tone is drawn
 
@@ -98,16 +99,27 @@ def test_another_angle_moves_lines_of_a_saved_frame(run, tmp_path, scene):
     """Two folds of meshes, of 25 and 45 degrees, in a picture that shows nothing else."""
     height, width = scene["depth"].shape[:2]
     bare = {name: np.zeros_like(a) + a[-1:, :1] for name, a in scene.items()}
-    bare |= dict(marks=np.zeros((height, width, 2), np.float32), creases=np.zeros((height, width, 5), np.float32))
-    for column, angle in ((width // 3, 25), (2 * width // 3, 45)):
-        bare["creases"][:, column, :2] = 0.5, angle
-    told = {name: saved.pack(name, bare) for name in ("Encre Marks", "Encre Creases")}
-    path, out = exr.write(tmp_path / "in.exr", {**exr.passes(bare), **exr.saved(bare), **told}), tmp_path / "out.exr"
+    bare["object"][:] = 1
+    folds = [line([(k * width / 3, -40), (k * width / 3, height + 40)], "crease", run=k, bend=angle,
+                  depth=float(bare["depth"].flat[0])) for k, angle in ((1, 25), (2, 45))]
+    told = {("ViewLayer", ""): Chains(np.concatenate(folds), np.ones(2, np.uint8))}
+    stored = metadata.write({}, [], Camera(), Frame(width, height)) | metadata.write_chains(told)
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(bare), **exr.saved(bare)}, metadata=stored)
+    out = tmp_path / "out.exr"
     for angle, folds in ((20, (True, True)), (30, (False, True)), (50, (False, False))):
         assert run("composite", path, "-o", out, "--set=length_unit=PIXELS", f"--set=crease_angle={angle}")[0] == 0
         ink = exr.picture(out, "ViewLayer.Encre Lines")[..., 3].max(0)
         drawn = [bool(ink[k * width // 3 - 3:k * width // 3 + 4].max() > 0.1) for k in (1, 2)]
         assert tuple(drawn) == folds, angle
+
+
+def test_files_saved_before_meshes_told_of_chains_say_so(run, tmp_path, scene):
+    marks = {"Encre Marks": np.zeros((*scene["depth"].shape[:2], 3), np.float32)}
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene), **marks})
+    _, _, err = run("composite", path, "-o", tmp_path / "out.exr")
+    assert "render again for the lines of the meshes" in err
+    assert "lines of the meshes" not in run("composite", path, "-o", tmp_path / "out.exr", "--set",
+                                            "edge_detector=DOG")[2]
 
 
 def test_composite_off_is_the_picture_itself(run, tmp_path, scene):
@@ -305,11 +317,9 @@ def test_memory_of_composite(tmp_path, monkeypatch, ending, change, most):
     width, height = 192, 1080
     scene = drawn.scene(width, height)
     scene.update(style=0 * scene["style"], controls=0 * scene["controls"])
-    marks = np.ones((height, width, 3), np.float32) / 2
     stored = metadata.write({}, [], Camera(), Frame(width, height))
-    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene), "Encre Marks": marks},
-                     metadata=stored)
-    del scene, marks
+    path = exr.write(tmp_path / "in.exr", {**exr.passes(scene), **exr.saved(scene)}, metadata=stored)
+    del scene
     read = oiio.ImageInput.read_scanlines
     monkeypatch.setattr(oiio.ImageInput, "read_scanlines", lambda *args: read(*args).copy())
     tracemalloc.start()

@@ -212,7 +212,7 @@ main.main(["composite", "plain.exr", "-o", "a.exr", "--set=light_denoise=NONE"])
     (["--set", "shade_levels=0.5; 0.7,0.5,0.2; 1,0.55,0.2"], ["shade_levels", "overlap"]),
     (["--set", "paper_image=nowhere.png"], ["nowhere.png"]),
     (["--preset", "watermemory"], ["watermemory", "water_memory"]),
-    (["--preset", ""], ["unknown preset", "brush_ink, clear_line"]),
+    (["--preset", ""], ["unknown preset", "brush_ink, cel, clear_line"]),
     (["--preset", "in.exr"], ["in.exr: is no preset file", ".json"]),
     (["--threads", "-1"], ["--threads", "'-1'"]),
     (["--threads", "1025"], ["threads", "1025", "1024"]),

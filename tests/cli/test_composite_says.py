@@ -98,7 +98,7 @@ def test_another_light_is_said_where_it_would_be_seen(run, tmp_path, scene):
     assert said({}, {}) and said({}, {"light_source": "DRAWN"}, "--set=light_source=CYCLES")
     assert not said({}, {"light_source": "DRAWN"})
     assert not said({}, {"layer_source": "ENCRE"}), "whose light is always drawn"
-    assert not said({}, {}, "--set=use_shading=off", "--set=line_shadow_strength=0")
+    assert not said({}, {}, "--set=use_shading=off", "--set=use_tones=off")
     assert not said(dict.fromkeys(("Encre Diffuse", "DiffDir", "DiffInd", "Encre Source")), {}), "there is no light"
     assert not said({"Encre Diffuse": np.ones_like(scene["diffuse"])}, {}), "it is the same everywhere"
 

@@ -42,8 +42,6 @@ def drawn(height, width):
     layers["depth"][:] = 4
     layers["material"][:] = 0
     layers["object"] = (rng.random((height, width)) < 0.12).astype(np.float32)
-    marks = rng.random((2, height, width, 2))
-    layers["marks"] = np.where(marks[0] < 0.1, marks[1], 0).astype(np.float32)
     return layers
 
 

@@ -50,7 +50,6 @@ def noise(height, width, seed=0, smooth=False):
     layers["depth"] = 1 + layers["depth"] * 5
     layers["normal"], layers["seen_normal"] = layers["normal"] * 2 - 1, layers["seen_normal"] * 2 - 1
     layers["controls"] = layers["controls"] * 3 - 1.5
-    layers["marks"] = rng.uniform(-9, 3, (height, width, 2)).astype(np.float32)
     for name in ("object", "material", "style"):
         layers[name] = rng.integers(0, 3, (height, width, 1)).astype(np.float32)
     if smooth:

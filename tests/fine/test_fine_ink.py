@@ -34,7 +34,7 @@ PENS = {  # the case, what it is drawn with
     "stray": ("faces", dict(line_thickness=3.0, pen_1_wobble=1.2, pen_1_wobble_length=25.0, pen_1_strokes=2,
                             pen_1_gaps=0.3,
                             pen_1_gaps_length=20.0, line_contact_width=1.6, line_intersection_width=0.4)),
-    "dry": ("faces", dict(line_thickness=3.3, pen_1_dry=0.8, pen_1_dry_length=9.0, pen_1_bristles=3)),
+    "dry": ("faces", dict(line_thickness=3.3, pen_1_dry=0.8)),
     "inks": ("faces", dict(line_thickness=3.0, ink_by_kind=True, line_outline_ink=(0.8, 0, 0), ink_in_light=0.4,
                            line_contact_ink=(0, 0.7, 0), line_inner_ink=(0, 0, 0.9), ink_tint=0.2,
                            line_crease_ink=(0.5, 0.5, 0), line_color_ink=(0, 0.5, 0.5))),
@@ -69,7 +69,7 @@ PENS = {  # the case, what it is drawn with
     "colours on dark": ("faces", dict(line_thickness=4.0, ink_on_dark=1.0, ink_dark_threshold=0.6,
                                       ink_dark_colors=0.4)),
     "bright before dark": ("wires", dict(line_thickness=4.0, ink_on_dark=0.9, ink_dark_threshold=0.1)),
-    "first": ("stroke", dict(line_thickness=5.0, pen_1_taper=5.0)),
+    "first": ("few wires 3", dict(line_thickness=5.0, pen_1_taper=5.0)),
     "not hidden": ("things", dict(line_thickness=4.0, line_occlude=False, line_shadow_width=2.0, line_thickest=5.0)),
 }
 
@@ -80,7 +80,7 @@ STRIP = np.random.default_rng(3).random((6, 37, 4))
 @pytest.mark.parametrize("name", PENS)
 def test_lines_are_the_union_of_discs_along_links(name):
     case, pen = PENS[name]
-    few = {"strip": 0.02, "fewer": 0.036, "fewer of all": 0.03, "dark": 0.002}  # rounding tells one of two as good ways
+    few = {"strip": 0.02, "fewer": 0.036, "fewer of all": 0.03, "dark": 0.003}  # rounding tells one of two as good ways
     assert compared(case, pen, few.get(name, few.get(name.split()[-1], 0))) > 0.03
 
 
@@ -91,17 +91,17 @@ def test_lines_that_leave_the_picture_are_drawn_as_far_as_it_goes(k):
 
 ANY = {  # of a pen, what it may be, and how long it is
     "pressure": (0.2, 0.9), "pressure_length": (15, 60), "wobble": (0.3, 2), "wobble_length": (12, 40),
-    "gaps": (0.05, 0.5), "gaps_length": (8, 40), "dry": (0.2, 1.2), "dry_length": (4, 30), "overshoot": (3, 15),
+    "gaps": (0.05, 0.5), "gaps_length": (8, 40), "dry": (0.2, 1.2), "overshoot": (3, 15),
     "rough": (0.3, 0.9), "rough_length": (3, 12), "pool": (0.5, 2), "dash": (2, 12), "dash_space": (0, 6),
     "boil": (0, 1)}
-LENGTHS = ("pressure_length", "wobble_length", "gaps_length", "dry_length", "dash_space", "rough_length", "boil")
+LENGTHS = ("pressure_length", "wobble_length", "gaps_length", "dash_space", "rough_length", "boil")
 CHOSEN = ("pressure", "wobble", "gaps", "dry", "overshoot", "rough", "pool", "dash")
 
 
 def any_pen(rng, pen="pen_1_"):
     """A few of the things that a hand does."""
     own = {name: rng.uniform(*ANY[name]) for name in (*LENGTHS, *rng.choice(CHOSEN, 3, False))}
-    own |= dict(seed=int(rng.integers(0, 2**31)), strokes=int(rng.choice([1, 1, 2])), bristles=int(rng.integers(1, 9)),
+    own |= dict(seed=int(rng.integers(0, 2**31)), strokes=int(rng.choice([1, 1, 2])),
                 hold=int(rng.integers(0, 3)))
     return {pen + name: value for name, value in own.items()}
 
@@ -109,7 +109,7 @@ def any_pen(rng, pen="pen_1_"):
 @pytest.mark.parametrize("seed", [k if k < 5 else pytest.param(k, marks=pytest.mark.long) for k in range(10)])
 def test_any_pen_on_any_lines(seed):
     rng = np.random.default_rng(seed)
-    case = ("faces", "rods", "things", "wires", "edges")[seed % 5]
+    case = ("faces", "rods", "things", "wires", "painted")[seed % 5]
     pen = dict(any_pen(rng), line_thickness=rng.uniform(1, 5), line_density=rng.choice([1, 0.3]),
                pen_1_taper=rng.choice([0, 9]), line_contact_width=rng.uniform(0.5, 1.5), **any_pen(rng, "pen_2_"),
                line_crease_pen="PEN_2", line_inner_pen="PEN_2", pen_2_width=rng.uniform(0.5, 1.5), pen_2_grain=0.0,

@@ -21,7 +21,7 @@ CONTROLS = len(library.controls())
 
 GRID = 0.5 / 4096  # pixels: half a step of that on which places lie
 OFF = dict(x=2 * GRID + 2e-5, y=2 * GRID + 2e-5, strength=5e-5, thin=1e-4, half=5e-5, inside=GRID + 5e-5)
-LEAST = dict(crack=4000, thin=50, mark=250, crease=250, normal_band=150, normal=800, color_band=300, color=1000,
+LEAST = dict(crack=4000, thin=50, normal_band=150, normal=800, color_band=300, color=1000,
              valley=1300, light_band=40, light_step=250, light=900, seen_normal_band=25, seen_normal=200,
              seen_color_band=20, seen_color=140, seen_depth=80)  # compared over all cases
 
@@ -62,9 +62,9 @@ def _compare(name):
             wrong.append((key, "source", s["source"], site.source))
         if np.abs(s["step"] - site.step).max() > 1:
             wrong.append((key, "step", s["step"], site.step))
-        tells = family in ("color_band", "color", "crack", "crease", "valley")
-        if tells and (s["weak"], s["told"]) != (site.weak, site.told):
-            wrong.append((key, "weak, told", s["weak"], s["told"]))
+        tells = family in ("color_band", "color", "valley")
+        if tells and s["weak"] != site.weak:
+            wrong.append((key, "weak", s["weak"]))
         if abs(s["eased"] - site.eased) > 0.5 + 0.01 * site.loose:
             wrong.append((key, "eased", s["eased"], site.eased))
         if (s["near_y"], s["near_x"]) != near:
@@ -83,7 +83,7 @@ ALL = [*passes.TINY, *passes.CASES, *passes.WIRES, *passes.LIGHTS, *passes.SWEEP
 def test_sites_are_where_the_reference_finds_them(name):
     sure, open_, wrong = compare(name)
     assert wrong == []
-    most = 0.25 if name in passes.CASES else 0.3  # wires may lie evenly between pixels
+    most = 0.25 if name in passes.CASES else 0.4  # wires may lie evenly between pixels
     assert name not in (*passes.CASES, *passes.WIRES) or sum(open_.values()) < most * sum(sure.values())
     assert open_["valley"] <= 0.1 * sure["valley"]
 
@@ -106,7 +106,7 @@ def test_the_strongest_site_of_a_pixel_is_shown(name):
     assert np.array_equal(images["Encre Edges"][..., 0], wanted)
 
 
-@pytest.mark.parametrize("name", ["faces", "mirror", "dim mirror", "told", "rods"])
+@pytest.mark.parametrize("name", ["faces", "mirror", "dim mirror", "rods"])
 def test_the_unit_of_length_does_not_matter(name):
     """Where all is 64 times as near there are the same sites, to the bit."""
     layers, scene, _ = passes.given(name)
@@ -130,29 +130,9 @@ def test_forms_are_blurred_by_no_more_than_64_pixels():
     assert np.array_equal(found[0], found[1]) and not np.array_equal(found[0]["x"], found[2]["x"])
 
 
-@pytest.mark.parametrize(("share", "what", "drawn"), [
-    (0.75, "thing", False), (0.85, "thing", True), (0.75, "told", True), (0.75, "two", True), (0.75, "layers", True)])
-def test_within_a_thing_a_grazing_slope_is_no_jump(share, what, drawn):
-    """Beside a step of 0.5 depth goes on by so much less a pixel; meshes tell of no contour there, unless they do."""
-    columns = np.arange(24.0)
-    depth = 20 - 0.5 * (1 - share) * columns - 0.5 * share * (columns > 11)
-    shape = 20, 24
-    layers = dict(combined=np.ones((*shape, 4)), depth=np.broadcast_to(depth, shape), object=np.ones(shape),
-                  creases=np.zeros((*shape, 5)), marks=np.zeros((*shape, 2)),
-                  **{name: np.full((*shape, 3), 0.5) for name in ("color", "albedo", "diffuse", "normal")})
-    if what == "told":
-        layers["marks"][:, 11, 0] = -(0.5 + 2 * 4)
-    if what == "two":
-        layers["object"][:, 12:] = 2
-    scene = dict(crease_source="LAYERS" if what == "layers" else "AUTO", line_color_strength=0.0)
-    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-    site = passes.run(layers, scene, camera=Camera(orthographic=True, height=20.0))[1][-1].site
-    assert (site["dropped"] == 0).sum() == 20 * drawn
-
-
 @functools.cache
 def sites_moved_to(moved, turn=1, width=60):
-    """Sites of a small picture in a wider one; a wire in one column of centres, a lone line by hand, a spot, a blade
+    """Sites of a small picture in a wider one; a wire in one column of centres, a spot, a blade
     that rises from the wall; in a narrower one without that. turn: which way the wire leans."""
     rows, columns = np.mgrid[:44, :width].astype(float)
     columns -= moved
@@ -163,9 +143,7 @@ def sites_moved_to(moved, turn=1, width=60):
     spot = ((rows == 40) & (np.abs(columns - 9) < 2))[..., None]
     ones = np.ones((*rows.shape, 3))
     layers = dict(combined=np.ones((*rows.shape, 4)), color=0.5 * ones - 0.4 * share + 0.3 * spot, diffuse=ones,
-                  depth=np.where(hit, 4.0, 5.0), object=hit * 1.0, normal=ones * (0, 0, 1) - share * (0, 0.6, 0.2),
-                  marks=np.zeros((*rows.shape, 2)))
-    layers["marks"][38, (columns[0] == 9)] = 0.4, 0.6
+                  depth=np.where(hit, 4.0, 5.0), object=hit * 1.0, normal=ones * (0, 0, 1) - share * (0, 0.6, 0.2))
     if width == 60:
         layers["depth"][42] -= 0.004 * np.clip(columns[42] - 16, 0, 15) * (columns[42] < 34)
     _, every = passes.run({name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, passes.ALL)
@@ -177,7 +155,7 @@ def test_where_a_picture_lies_in_a_frame_does_not_matter(moved):
     """What has nothing to see is passed over many pixels at once, and pictures begin anywhere after it."""
     turn = (1, -1)[moved % 2]
     first, site = sites_moved_to(0, turn), sites_moved_to(moved, turn).copy()
-    assert {"crack", "thin", "mark", "color_band"} <= {FAMILIES[k] for k in first["family"]}
+    assert {"crack", "thin", "color_band"} <= {FAMILIES[k] for k in first["family"]}
     for name in ("column", "near_x"):
         site[name] -= moved
     assert [s["x"] - moved for s in site] == pytest.approx(list(first["x"]), abs=1e-4)

@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from encre.pen import library
 from encre.pen.around import Window
-from encre.pen.job import Camera, Frame
+from encre.pen.job import Camera, Chains, Frame
 from encre.pen.settings import Settings
 from judge import verdict
+from known import line
 
 ROWS, COLUMNS, MIDDLE = 96, 128, 60.3
 PEN = dict(verdict.PARAMS, edge_detector="FINE", line_shadow_strength=0.0, line_mirror_strength=0.0,
@@ -35,7 +36,7 @@ def slope(steepness, width=5.0, middle=MIDDLE):
 
 
 def ink(made, threads=0, styles=(), **values):
-    made = {name: np.ascontiguousarray(a, np.float32) for name, a in made.items()}
+    made = {name: a if name == "chains" else np.ascontiguousarray(a, np.float32) for name, a in made.items()}
     drawn = library.render(made, {**PEN, **values}, styles, Camera(orthographic=True, height=ROWS), threads=threads,
                            outputs=("Encre Lines",))
     return drawn.images["Encre Lines"][..., 3]
@@ -103,37 +104,11 @@ def test_what_is_shaded_flat_has_none():
     made = of(slope(1.0))
     made["normal"] = np.where((np.abs(X - MIDDLE) < 4)[..., None], (0.5, 0, 0.8660254), (0.0, 0, 1))
     assert ink(made, **ALONE).sum() > 3 * ROWS
-    bends = np.zeros((ROWS, COLUMNS, 5))
-    bends[:, [56, 64], 0], bends[:, [56, 64], 1] = 0.5, 30.0
-    assert ink({**made, "creases": bends}, crease_angle=40.0).max() == 0
-    bends[..., 1] *= -1  # of faces that are shaded smoothly
-    assert ink({**made, "creases": bends}, crease_angle=40.0).sum() > 3 * ROWS
-
-
-def bent(column, degrees=-70.0):
-    """An edge of faces that are shaded smoothly: on a slope a hollow before its middle, and behind it a rim."""
-    bends = np.zeros((ROWS, COLUMNS, 5))
-    bends[:, column, 0], bends[:, column, 1] = 0.5, degrees
-    return {"creases": bends}
-
-
-def test_it_takes_the_place_of_a_hollow_beside_it():
-    made = of(slope(1.0))
-    np.testing.assert_array_equal(ink(made | bent(56)), ink(made))
-    dashes = bent(56)
-    dashes["creases"][30:60] = 0
-    np.testing.assert_array_equal(ink(made | dashes), ink(made))
-    rim = ink(made | bent(64))
-    np.testing.assert_allclose((rim * X).sum(1) / rim.sum(1), 64.5, atol=0.05)
-
-
-def test_a_hollow_does_not_go_at_once():
-    widths = [ink(of(slope(s)) | bent(56), line_inner_strength=0.0, line_thickness=2.0)[48] for s in np.arange(0.2,
-                                                                                                               1.21,
-                                                                                                               0.02)]
-    hollow, form = (np.array([w[part].sum() for w in widths]) for part in (np.s_[:58], np.s_[58:]))
-    assert hollow[0] == pytest.approx(2, abs=0.1) and hollow[-1] == form[0] == 0 and form[-1] > 1.9
-    assert np.abs(np.diff(hollow)).max() < 0.4 and np.abs(np.diff(form)).max() < 0.4
+    for kind, any_ in (("crease", False), ("crease smooth", True)):
+        edges = np.concatenate([line([(x, -40), (x, ROWS + 40)], kind, run=k, bend=30, depth=4)
+                                for k, x in enumerate((56.5, 64.5))])
+        lines = ink({**made, "chains": Chains(edges, np.ones(2, np.uint8))}, crease_angle=40.0)
+        assert lines.sum() > 3 * ROWS if any_ else lines.max() == 0
 
 
 @pytest.mark.parametrize("apart", (2, 3, 4))

@@ -3,7 +3,7 @@
 
 import pages
 import pytest
-from judge import kinds, measure, scenes, unseen, verdict
+from judge import fresh, kinds, measure, scenes, unseen, verdict
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +76,15 @@ def test_fine_breaks_no_more_on_scenes_of_other_kinds_than_the_page_says(name):
 @quick_ones((*unseen.ANALYTIC, *unseen.MESHES))
 def test_fine_breaks_no_more_on_unseen_scenes_than_the_page_says(name):
     breaks_no_more(name, 4)
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name == "curtain" else pytest.mark.long)
+                                  for name in fresh.MESHES])
+def test_fine_breaks_no_more_on_fresh_scenes_than_the_page_says(name):
+    text = (pages.DOCS / "lines.md").read_text(encoding="utf-8")
+    said = pages.table(text[text.index(pages.FRESH):], 1)[name]["breaks"]
+    found = verdict.broken(pages.judged_fresh((name,)))
+    assert {promise for promise in found if promise not in said} == set()
 
 
 @pytest.mark.long

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Each kind of line takes its own ink and its own pen, and no other kind's."""
 
+import chained
 import numpy as np
 import pytest
 from encre.pen import library
@@ -52,12 +53,8 @@ def seen():
 
 def rastered(*meshes):
     size = (COLUMNS, ROWS)
-    maps = library.raster(meshes, *pixels(*size), Frame(*size), size, 0.1,
-                          outputs=("depth", "normal", "object", "creases", "marks"))
-    bends = np.zeros((ROWS, COLUMNS, 1), np.float32)
-    layers = {**wall(), **maps, "creases": np.concatenate([maps["creases"], bends], 2)}
-    layers["normal"] = wall()["normal"]
-    return layers
+    layers = chained.layers(meshes, *pixels(*size), Frame(*size), size)
+    return {**wall(), **{name: layers[name] for name in ("depth", "object", "chains")}}
 
 
 def faces(*squares, **more):
@@ -99,7 +96,7 @@ KINDS = {"outline": outline, "contact": right("object", 2), "inner": right("dept
 
 
 def lines(layers, **values):
-    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    layers = {name: a if name == "chains" else np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
     drawn = library.render(layers, {**PEN, **values}, camera=Camera(orthographic=True, height=ROWS),
                            outputs=("Encre Lines",)).images["Encre Lines"]
     return drawn[8:-8]

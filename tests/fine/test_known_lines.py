@@ -67,7 +67,7 @@ def test_a_contour_lies_where_its_edge_does():
 
 def test_of_two_creases_that_lie_close_one_stays():
     one = drawn(flat(), line(across(), "crease")).sum()
-    for apart, share in ((1.2, 1), (3.5, 2)):
+    for apart, share in ((1.2, 1), (2.3, 1), (3.7, 2)):
         two = [line(across(), "crease"), line(across(30 + apart), "crease", run=1)]
         assert drawn(flat(), two).sum() == pytest.approx(share * one, rel=0.03)
 
@@ -84,9 +84,20 @@ def test_a_crease_gives_way_to_an_outline_and_outlines_do_not():
 
 
 def test_what_gives_way_makes_others_give_way_as_much_less():
-    three = [line(across(30 + 2 * k), "crease", run=k, depth=5 + 0.01 * k) for k in range(3)]
+    three = [line(across(30 + 3 * k), "crease", run=k, depth=5 + 0.01 * k) for k in range(3)]
     t = drawn(flat(), three, line_thickness=1.0)
-    np.testing.assert_allclose(t[30:36:2, 30:60], np.array([[1], [1 / 3], [7 / 9]]) + np.zeros((1, 30)), atol=0.01)
+    np.testing.assert_allclose(t[30:39:3, 30:60], np.array([[1], [1 / 2], [3 / 4]]) + np.zeros((1, 30)), atol=0.01)
+
+
+def test_an_outline_among_many_creases_stays_whole():
+    """Of a tire whose facets bend enough the outline was as thin as they."""
+    creases = [line(across(30 + 0.9 * k), "crease", run=10 + k, depth=5 + 0.01 * k) for k in range(-6, 7) if k]
+    outline = line(across(30), "contour", side=1, behind=2)
+    alone, among = (drawn(flat(), given, line_thickness=1.0)[30, 30:60].min()
+                    for given in (outline, [outline, *creases]))
+    assert among > 0.98 * alone > 0.5
+    few, many = (drawn(flat(), creases[:n], line_thickness=1.0, crease_angle=30.0).sum() / n for n in (1, 12))
+    assert many < 0.7 * few
 
 
 def test_what_is_left_of_creases_and_spans_next_to_nothing_is_not_drawn():
@@ -168,3 +179,18 @@ def test_what_has_no_chains_covers_those_behind_it():
     assert covered[28:33, 15:40].any(0).all() and covered[28:33, 56:80].any(0).all()
     assert not covered[28:33, 46:50].any()
     assert drawn(layers, line(across(), "crease"), chained=(1, 1, 1, 1))[28:33, 46:50].any()
+
+
+def test_a_hand_wobbles_evenly_before_what_is_far_behind_on_the_same_thing():
+    """As on the frame of a car's window, through which its inside shows: the line lies on the frame alone."""
+    layers = step(1, 1)
+    y, x = np.mgrid[:SIZE[0], :SIZE[1]].astype(np.float32)
+    anchor = np.zeros((*SIZE, 16), np.float32)
+    for where, pixel, aside in ((x < 48, 0.01, 0), (x >= 48, 0.018, 100)):
+        anchor[where, 0], anchor[where, 1], anchor[where, 2] = (x * pixel)[where] + aside, (y * pixel)[where], aside
+        anchor[where, 6], anchor[where, 7], anchor[where, 11] = pixel, pixel, pixel
+    layers["anchor"] = anchor
+    ink = drawn(layers, line([(47.2, 5), (47.9, 30), (47.3, 55)], "contour", side=1), pen_1_wobble=6.0)[8:52]
+    middle = (ink * x[8:52]).sum(1) / ink.sum(1)
+    assert np.abs(np.diff(middle)).max() > 0.02, "it wobbles"
+    assert np.abs(np.diff(middle, 2)).max() < 0.2

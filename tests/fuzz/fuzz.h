@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Random jobs for the library. fuzz.c runs them and looks at what came back, pictures.c makes images, render.c,
- * raster.c, light.c and bake.c one kind of job each. A seed is a job: the same one on every machine. */
+ * raster.c, light.c, material.c and bake.c one kind of job each, samples.c two. A seed is a job: the same one on every
+ * machine. */
 #ifndef ENCRE_FUZZ_H
 #define ENCRE_FUZZ_H
 
@@ -42,7 +43,7 @@ encre_image picture(int width, int height, int channels, shared *beside);
 float *sample(const encre_image *image, int x, int y);
 
 /* What an image shows. */
-enum content { COLORS, LIGHTS, DEPTHS, DIRECTIONS, NUMBERS, SHARES, PLACES };
+enum content { COLORS, LIGHTS, DEPTHS, DIRECTIONS, NUMBERS, SHARES };
 
 /* One scene of shapes that all layers of a job show, and how much of them is no number. */
 typedef struct scene {
@@ -85,6 +86,7 @@ typedef struct task {
 	encre_image output[16];
 	int n_outputs;
 	bool any_number[16]; /* what the output holds may be no number */
+	bool in_place;       /* its first output is what it reads, too: done twice is more than once */
 	const void *result;  /* what else comes back, and how long it is */
 	size_t result_size;
 } task;
@@ -94,5 +96,7 @@ task random_raster(void);
 task random_bake(void);
 task random_light(void);
 task random_material(void);
+task random_even(void);
+task random_average(void);
 
 #endif

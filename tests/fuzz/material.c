@@ -105,7 +105,21 @@ static encre_picture random_texture(double odd)
 		w = w > 1 ? w / 2 : 1;
 		h = h > 1 ? h / 2 : 1;
 	}
-	return (encre_picture){random_values(4 * texels, odd), width, height, levels, whole(0, 2)};
+	encre_picture t = {.width = width, .height = height, .levels = levels, .wrap = whole(0, 2)};
+	if (chance(0.5)) {
+		t.texels = random_values(4 * texels, odd);
+		return t;
+	}
+	uint8_t *bytes = take((size_t)texels * 4);
+	for (int k = 0; k < 4 * texels; k++)
+		bytes[k] = (uint8_t)whole(0, 255);
+	float *curve = take(256 * sizeof *curve);
+	for (int k = 0; k < 256; k++)
+		curve[k] = k && chance(0.9) ? curve[k - 1] + (float)share() : k ? curve[k - 1] : (float)between(-2, 1);
+	t.bytes = bytes;
+	t.curve = curve;
+	t.straight = chance(0.5);
+	return t;
 }
 
 static encre_materials random_tables(int channels)

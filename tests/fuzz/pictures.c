@@ -105,7 +105,6 @@ static float stored(enum content content, double value, double scale)
 	case DIRECTIONS: return (float)(2 * value - 1);
 	case NUMBERS: return (float)floor(5 * value);
 	case SHARES: return (float)(2.2 * value - 1.1);
-	case PLACES: return value < 0.8 ? 0 : (float)(20 * (value - 0.9));
 	case LIGHTS: return (float)(1.5 * scale * value);
 	default: return (float)(scale * value);
 	}
@@ -115,7 +114,7 @@ void paint(const encre_image *image, enum content content, const scene *s)
 {
 	double scale = chance(0.8) ? 1 : magnitude(-3, 3), base[ENCRE_MAX_CHANNELS];
 	int noise = content == NUMBERS || chance(0.5) ? s->noise : SMOOTH;
-	bool averaged = content != DEPTHS && content != NUMBERS && content != PLACES && chance(0.7);
+	bool averaged = content != DEPTHS && content != NUMBERS && chance(0.7);
 	if (s->weird > 0 && chance(0.1))
 		scale = magnitude(-38, 38);
 	double slope = share() / (image->width + image->height);

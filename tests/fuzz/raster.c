@@ -153,10 +153,9 @@ task random_raster(void)
 	if (chance(0.005))
 		job.frame.width = weird_int();
 	job.n_channels = whole(0, 6);
-	encre_image *image[] = {&job.depth,      &job.normal,  &job.object,  &job.material,   &job.style,
-				&job.attributes, &job.marks,   &job.creases, &job.coincident, &job.shading,
-				&job.anchor,     &job.tangent, &job.card};
-	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 2, 4, 1, 3, 16, 3, 4};
+	encre_image *image[] = {&job.depth,      &job.normal,  &job.object, &job.material, &job.style, &job.attributes,
+				&job.coincident, &job.shading, &job.anchor, &job.tangent,  &job.card};
+	const int channels[] = {1, 3, 1, 1, 1, job.n_channels, 1, 3, 16, 3, 4};
 	t.n_outputs = sizeof image / sizeof *image;
 	for (int i = 0; i < t.n_outputs; i++)
 		if (chance(0.7) && channels[i])

@@ -210,7 +210,6 @@ static enum content content_of(int layer)
 	case ENCRE_LAYER_MATERIAL:
 	case ENCRE_LAYER_STYLE: return NUMBERS;
 	case ENCRE_LAYER_CONTROLS: return SHARES;
-	case ENCRE_LAYER_MARKS: return PLACES;
 	case ENCRE_LAYER_ANCHOR: return chance(0.5) ? DIRECTIONS : COLORS; /* sides of a thing, and places */
 	default: return COLORS;
 	}
@@ -289,6 +288,10 @@ task random_render(uint64_t k)
 		memcpy(&number, (const char *)job.params + detector->offset, sizeof number);
 		t.name = number == detector->items[i].number ? detector->items[i].id : t.name;
 	}
+	bool outputs = false;
+	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++)
+		outputs |= job.outputs[i].data != NULL;
+	job.tell_strokes = outputs && k % 3 == 0 && !strcmp(t.name, "FINE");
 	random_camera(&job.camera);
 	job.frame = random_place(width, height);
 	return t;

@@ -32,7 +32,7 @@ INTER_COLOR = dict(edge_threshold=0.01, line_color_strength=1.0, line_contrast=1
                    pen_1_steepness=0.5, pen_1_intensity=2.0, pen_1_grain=0.0, use_shading=False, use_smudging=False,
                    use_hatching=False)
 ALL_OFF = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_tones=False,
-               use_rim=False, use_specks=False, use_wash=False)
+               use_rim=False, use_specks=False, use_wash=False, use_gouache=False, use_print=False, use_relief=False)
 DOG, SOBEL, FINE = ({"edge_detector": name} for name in ("DOG", "SOBEL", "FINE"))
 ALL_SOURCES = dict(line_color_strength=3.0, line_shadow_strength=4.0)
 # case: its settings, the ratios that are aimed at on one thread and on two, and what is drawn
@@ -52,6 +52,9 @@ STAGES = {
     "smudging": (ALL_OFF | DOG | dict(use_smudging=True), "Combined"),
     "hatching": (ALL_OFF | dict(use_hatching=True), "Combined"),
     "wash": (ALL_OFF | dict(use_wash=True), "Combined"),
+    "gouache": (ALL_OFF | dict(use_gouache=True), "Combined"),
+    "print": (ALL_OFF | dict(use_print=True), "Combined"),
+    "relief": (ALL_OFF | dict(use_relief=True), "Combined"),
     "rim light": (ALL_OFF | dict(use_rim=True), "Combined"),
     "specks": (ALL_OFF | dict(use_specks=True), "Combined"),
     "lines, DOG": (ALL_OFF | DOG | dict(use_lines=True), "Combined"),

@@ -18,7 +18,7 @@ import forks
 import numpy as np
 import pytest
 from encre.cli import multilayer
-from encre.pen import layers
+from encre.pen import layers, metadata
 
 CASES = Path(__file__).parents[1] / "blender" / "inside" / "cases.py"
 OTHERS = Path(__file__).parents[2] / "build" / "blenders"  # one environment per version of bpy: make blenders
@@ -60,6 +60,11 @@ class Shot:
     def metadata(self, name):
         with multilayer.Exr(self.folder / f"{name}.exr") as file:
             return file.metadata
+
+    def chains(self, name):
+        """Points of chains that an EXR keeps, of its only view."""
+        (lines,) = metadata.read(self.metadata(name)).chains.values()
+        return lines.points
 
     def wrote(self, name):
         return (self.folder / f"{name}.exr").exists()

@@ -12,6 +12,7 @@ API _Atomic int held;                     /* blocks that are not freed yet */
 
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *block, size_t size);
 void __real_free(void *block);
 int __real_pthread_create(pthread_t *id, const pthread_attr_t *how, void *(*run)(void *), void *data);
 
@@ -27,6 +28,13 @@ void *__wrap_calloc(size_t count, size_t size)
 	void *block = ++allocations == refuse_allocation ? NULL : __real_calloc(count, size);
 	held += block != NULL;
 	return block;
+}
+
+void *__wrap_realloc(void *block, size_t size)
+{
+	void *grown = ++allocations == refuse_allocation ? NULL : __real_realloc(block, size);
+	held += !block && grown;
+	return grown;
 }
 
 void __wrap_free(void *block)

@@ -186,11 +186,10 @@ static void raster(void)
 	job.depth = image_of(1);
 	job.normal = image_of(3);
 	job.object = image_of(1);
-	job.marks = image_of(2);
-	job.creases = image_of(4);
+	job.anchor = image_of(16);
 	encre_context *context = my_create(ENCRE_API_VERSION);
-	encre_image images[] = {job.depth, job.normal, job.object, job.marks, job.creases};
-	say(context, my_raster(context, &job), "raster", "", images, 5);
+	encre_image images[] = {job.depth, job.normal, job.object, job.anchor};
+	say(context, my_raster(context, &job), "raster", "", images, 4);
 	my_destroy(context);
 }
 
@@ -216,7 +215,6 @@ int main(int n, char **arguments)
 		for (int k = 0; k < WIDTH * HEIGHT * channels; k++)
 			job.layers[i].data[k] = value_at(i, k % channels, k / channels % WIDTH, k / channels / WIDTH);
 	}
-	job.layers[ENCRE_LAYER_CREASES].data = NULL;
 	for (int i = 0; i < ENCRE_OUTPUT_COUNT; i++)
 		job.outputs[i] = image_of(my_output_info(i)->channels);
 	char *params = malloc((size_t)my_params_size());

@@ -11,8 +11,8 @@ from encre.pen.job import Camera, Materials, Mesh, Picture, Program
 from encre.pen.library import load
 
 WIDTH, HEIGHT = 12, 8
-KINDS = {"render": {}, "raster": dict(depth=1, normal=3, object=1, material=1, style=1, attributes=3, marks=2,
-                                      creases=4, coincident=1, shading=3, anchor=16, tangent=3, card=4),
+KINDS = {"render": {}, "raster": dict(depth=1, normal=3, object=1, material=1, style=1, attributes=3,
+                                      coincident=1, shading=3, anchor=16, tangent=3, card=4),
          "bake": {"texture": 3, "form": 3, "output": 3},
          "light": {"depth": 1, "normal": 3, "diffuse": 3},
          "material": {**abi.MATERIAL_INPUTS, "attributes": 3, **abi.MATERIAL_OUTPUTS}}

@@ -24,7 +24,7 @@ def line(points, kind, run=0, **more):
     found["along"][1:, 1] = step
     found["along"][0] = 0, step[0]
     found["edge"] = 100 * run + np.maximum(np.arange(len(at)) - 1, 0)
-    defaults = dict(depth=5, fade=1, object=1, behind=1, gap=FAR, bend=90, mesh=1)
+    defaults = dict(depth=5, object=1, behind=1, gap=FAR, bend=90, mesh=1)
     for name, value in (defaults | more).items():
         found[name] = value
     found["kind"], found["run"] = sum(KIND[name] for name in kind.split()), run

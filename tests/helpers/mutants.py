@@ -75,10 +75,9 @@ CUTS = (  # the file, what stands there once, what it becomes
     ("csrc/material/draw.c", "BAND = 16", "BAND = 7"),
     ("csrc/raster/raster.c", "CHUNK = 1024", "CHUNK = 37"),
     ("csrc/raster/raster.c", "MAX_CHUNKS = 256", "MAX_CHUNKS = 5"),
-    ("csrc/raster/meets.h", "MEETS_WAYS = 2048", "MEETS_WAYS = 64"),
     ("csrc/raster/raster.h", "BAND = 16", "BAND = 7"),
     ("csrc/surface/hatch.c", "PIECE = 128", "PIECE = 29"),
-    ("csrc/surface/shade.c", "CHUNK = 128", "CHUNK = 37"),
+    ("csrc/surface/lit.h", "LIT_CHUNK = 128", "LIT_CHUNK = 37"),
     ("csrc/texture/bake.c", "PIECE = 64", "PIECE = 9"),
     ("csrc/texture/bake.h", "LANES = 8", "LANES = 4"),
     ("csrc/texture/bake.h", "SHEET = 64", "SHEET = 13"),
@@ -90,8 +89,6 @@ CUTS = (  # the file, what stands there once, what it becomes
 # That they leave out too much is for the twins.
 FILTERS = (  # the file, the function, what stands there once, what lets everything through
     ("csrc/fine/fine.c", "least_contrast", "return least * (", "return 0 * ("),
-    ("csrc/fine/find/creases.c", "ISA(crease_asked)", "if (!(faces_at(n, x, y) >= 0))",
-     "if (x >= 0)"),
     ("csrc/fine/find/ridges.c", "keep_levels", "", ""),  # of candidates()
     ("csrc/fine/find/ridges.c", "measure", "", ""),  # likewise
     ("csrc/fine/find/ridges.c", "candidates", "out[i] = mixed[i] ? 0 : all;",

@@ -95,18 +95,6 @@ CASES = {  # how shapes() draws it, the scene, styles, camera
     "hardly made": (dict(seed=94, inlaid=5, size=(24, 30)),
                     dict(edge_threshold=0.4, line_material_strength=0.3, line_outline_strength=0.25,
                          line_color_strength=0.5), (), None),
-    "many edges": (dict(seed=73, bent=90, size=(24, 24), busy=False), dict(crease_angle=30.0), (), None),
-    "edges": (dict(seed=71, things=1, bent=24, mirror=True), dict(line_color_strength=0.0, crease_bumps=0.4), (), None),
-    "soft edges": (dict(seed=72, things=2, bent=30, styles=2, size=(44, 60)),
-                   dict(line_shadow_strength=0.0, crease_angle=33.0, crease_angle_smooth=45.0, crease_bumps=0.6),
-                   [{"crease_angle": 60.0, "crease_bumps": 0.0, "line_color_strength": 0.12},
-                    {"line_crease_strength": 0.5, "crease_angle_smooth": 20.0, "crease_bumps": 0.0,
-                     "line_color_strength": 0.12}], ORTHO),
-    "told": (dict(seed=95, things=2, bent=4, told=40, size=(44, 60)), dict(line_color_strength=0.0,
-                                                                           line_shadow_strength=0.0), (), None),
-    "hardly told": (dict(seed=96, bent=4, told=50, strong=0.1, styles=2, size=(44, 60), busy=False),
-                    dict(line_color_strength=0.0, edge_threshold=0.3), [{"line_inner_strength": 0.2},
-                                                                        {"line_inner_strength": 2.0}], ORTHO),
     "rods": (dict(seed=37, wires=3, size=(40, 40), busy=False), dict(line_color_strength=0.0, line_inner_strength=0.7),
              (), None),
     "painted": (dict(seed=91, painted=4, things=1), dict(line_color_strength=0.0, edge_threshold=0.0), (), None),
@@ -126,10 +114,6 @@ WIRES = {  # for the sites of thin things
                          dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0), (),
                          (None, ORTHO)[k % 2])
     for k in range(4)} | {
-    f"told wires {k}": (dict(seed=81 + k, size=(36, 40), count=3, between=True, noise=0.02 * (k % 3 == 2)),
-                        dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0), (),
-                        (None, ORTHO)[k % 2])
-    for k in range(6)} | {
     "wires that end": (dict(seed=5517, size=(37, 19)), dict(line_color_strength=0.0, line_shadow_strength=0.0,
                                                             line_crease_strength=0.0), (),
                        ORTHO)}
@@ -140,10 +124,9 @@ def _tiny(k):
     rng = np.random.default_rng(k)
     size = tuple(int(n) for n in rng.integers(*((1, 7) if k % 5 == 0 else (9, 17)), 2))
     styles = int(rng.choice([0, 0, 2]))
-    without = [name for name in ("object", "material", "albedo", "marks", "seen_depth") if rng.random() < 0.2]
+    without = [name for name in ("object", "material", "albedo", "seen_depth") if rng.random() < 0.2]
     how = dict(seed=2000 + k, size=size, things=int(rng.integers(0, 3)), wires=int(rng.integers(0, 3)),
-               mirror=bool(rng.random() < 0.5), bent=int(rng.choice([0, 0, 9])), painted=bool(rng.random() < 0.3),
-               hand=int(rng.choice([0, 0, 5])) if min(size) > 8 else 0, styles=styles, without=without)
+               mirror=bool(rng.random() < 0.5), painted=bool(rng.random() < 0.3), styles=styles, without=without)
     if rng.random() < 0.3:
         how |= dict(strong=float(rng.choice([0.1, 0.3])), wires=0)
     scene = dict(edge_threshold=float(rng.choice([0, 0.1, 0.3])), crease_angle=float(rng.choice([8, 20, 50])),
@@ -169,17 +152,14 @@ def _cut(k):
     size = SIZES[k % len(SIZES)]
     rng = np.random.default_rng(500 + k)
     how = dict(seed=400 + k, size=(size[0] + 12, size[1] + 12), cut=(6, 6), things=1 + k % 2, wires=2,
-               mirror=k % 3 == 0, bent=9 * (k % 2), painted=k % 4 == 0, told=3 * (k % 3 == 1), hand=4 * (k % 4 == 3),
-               strong=(1.0, 0.3)[k % 5 == 4])
+               mirror=k % 3 == 0, painted=k % 4 == 0, strong=(1.0, 0.3)[k % 5 == 4])
     scene = dict(edge_threshold=float(rng.choice([0, 0.1])), crease_angle=float(rng.choice([8, 30])),
                  shade_levels=[(0.1,), (0.4, 0.3, 0), (0.7, 0.42, 0), (0.9, 0.6, 0)])
     return how, scene, (), (None, ORTHO)[k % 2]
 
 
 CUTS = {f"cut {k}": _cut(k) for k in range(30)}  # the small ones twice
-ROWS = {  # the border of what is painted; a line whose first site is the first of all; below the first row
-    "stroke": (dict(seed=107, hand=1, busy=False, size=(20, 24)), dict(line_shadow_strength=0.0,
-                                                                       line_color_strength=0.0), (), None),
+ROWS = {  # the border of what is painted; below the first row
     "painted rows": (dict(seed=99, painted=-3, noise=0.2, size=(16, 24)),
                      dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=0.0,
                           edge_threshold=0.0), (), None),
@@ -189,25 +169,22 @@ MORE = {  # for the passes alone: many lines beside one another
     f"crowded {k}": (dict(seed=100 + k, things=k % 2, noise=0.01 * (k % 3), size=(40, 56)),
                      dict(crease_angle=30.0 + 20 * (k % 3), edge_threshold=0.05 * (k % 4)), (), (None, ORTHO)[k % 2])
     for k in range(5)} | {
-    f"strokes {k}": (dict(seed=120 + k, hand=26, size=(44, 60), strong=(1.0, 0.1)[k % 2], mirror=k == 3),
-                     dict(line_shadow_strength=0.0, line_mirror_strength=1.0, line_color_strength=1.0,
-                          color_layer=("LIT", "ALBEDO")[k % 2]), (),
-                     None)
-    for k in range(4)} | {  # thin things whose lines have px
-    f"slender {k}": (dict(seed=140 + k, things=2, wires=2 + k % 2, told=30 * (k % 2), size=(40, 56), busy=False),
+    f"slender {k}": (dict(seed=140 + k, things=2, wires=2 + k % 2, size=(40, 56), busy=False),
                      dict(line_color_strength=0.0, line_shadow_strength=0.0, length_unit="PIXELS"), (),
                      (None, ORTHO)[k // 3])
     for k in range(6)} | {  # frames of 1.7 px, and of more than count
     f"large {k}": (dict(seed=160 + k, things=1, noise=0.01, size=(40, 56)),
                    dict(length_unit="MM", page_height=(23.0, 2.0)[k % 2], edge_threshold=0.05), (), None)
     for k in range(4)} | {
-    f"specks {k}": (dict(seed=180 + k, specks=14, bent=3 * (k < 3), size=(44, 60), busy=False),
+    f"specks {k}": (dict(seed=180 + k, specks=14, size=(44, 60), busy=False),
                     dict(line_color_strength=0.0, line_shadow_strength=0.0), (), None)
     for k in range(4)} | {
     f"joints {k}": (dict(seed=190 + k, joints=True, size=(44, 60), busy=False),
                     dict(line_color_strength=1.0, line_shadow_strength=0.0, contrast_threshold=0.0,
                          edge_threshold=0.09), (), None)
-    for k in range(3)}
+    for k in range(3)} | {
+    "scribbles": (dict(seed=400, size=(44, 60), noise=0.03), dict(line_color_strength=1.0, edge_threshold=0.05), (),
+                  None)}
 
 FORM = dict(line_color_strength=0.0, line_shadow_strength=0.0, line_crease_strength=1.0, line_suggestive_strength=1.0,
             length_unit="PIXELS",
@@ -219,8 +196,6 @@ FORMS = {  # smooth hills with valleys between
     "wide forms": (dict(seed=3, size=(60, 70)), dict(suggestive_size=5.5), (), None),
     "finest forms": (dict(seed=12, steep=2.0, bumps=12), dict(suggestive_size=1.0), (), None),
     "things on forms": (dict(seed=4, things=3, wires=1, bumps=9), {}, (), None),
-    "edges on forms": (dict(seed=5, bent=9, bumps=9, size=(44, 60)), dict(crease_angle_smooth=70.0), (), None),
-    "many edges on forms": (dict(seed=26, bent=45, bumps=9), {}, (), None),
     "styles on forms": (dict(seed=7, styles=2, bumps=12, painted=3, size=(44, 60)), dict(line_suggestive_strength=0.7),
                         [dict(line_suggestive_strength=3.0, line_suggestive_shortest=5.0),
                          dict(line_suggestive_strength=0.2)], None),
@@ -233,7 +208,7 @@ FORMS = {  # smooth hills with valleys between
     f"small form {k}": (dict(seed=800 + k, size=size, steep=2.0), dict(edge_threshold=(0.1, 0.0)[k % 2]), (), None)
     for k, size in enumerate(((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 500), (500, 3), (3, 3), (4, 5)))
     } | {
-    f"form cut {k}": (dict(seed=820 + k, size=(36, 44), cut=(8, 6), things=k % 3, bent=9 * (k % 2), steep=1.5),
+    f"form cut {k}": (dict(seed=820 + k, size=(36, 44), cut=(8, 6), things=k % 3, steep=1.5),
                       dict(edge_threshold=0.1 * (k % 3)), (), (None, ORTHO)[k % 2])
     for k in range(6)}
 

@@ -30,5 +30,6 @@ ENCRE_API void probe_space(int metric, int n, float *colors)
 ENCRE_API void probe_difference(int metric, int n, const float *a, const float *b, float *greatest)
 {
 	const float *p[3] = {a, a + n, a + 2 * n}, *q[3] = {b, b + n, b + 2 * n};
-	ISA(metric_difference)(metric, n, p, q, greatest);
+	color_metric by = {metric, 1, 1, 1};
+	ISA(metric_difference)(&by, n, p, q, greatest);
 }

@@ -10,7 +10,7 @@
 /* A site as tests/reference/ has it; all fields are four bytes wide. */
 typedef struct probe_site {
 	float x, y, strength, thin, half, inside, crowd, tapers;
-	int32_t column, row, near_x, near_y, family, axis, source, dropped, crumb, held, weak, told, eased, step[3];
+	int32_t column, row, near_x, near_y, family, axis, source, dropped, crumb, held, weak, eased, step[3];
 } probe_site;
 
 typedef struct snapshot {
@@ -51,7 +51,6 @@ static probe_site opened(const site *s)
 		.crumb = s->linked.crumb,
 		.held = s->linked.held,
 		.weak = s->placed.weak,
-		.told = s->placed.told,
 		.eased = s->placed.eased,
 		.step = {s->placed.step[0], s->placed.step[1], s->placed.step[2]},
 	};

@@ -33,47 +33,8 @@ def _patches(rng, size, kinds, values):
     return mean
 
 
-def edges(rng, size, count):
-    """The layer `creases` of edges by chance, flat, smooth, over several faces; of faces that bend here and there."""
-    layer = np.zeros((*size, 5))
-    for k in range(count):
-        place, bend = strokes(rng, size, 1), rng.uniform(5, 90) * rng.choice((-1, 1))
-        if count > 50 and rng.random() < 0.6:  # as much as another
-            bend = 15 * np.round(bend / 15)
-        bend += np.sign(bend) * 360 * (k % 3 == 0)
-        for axis in (0, 1):
-            there = (place[..., axis] > 0) & (abs(bend) > np.abs(layer[..., 2 * axis + 1]))
-            layer[there, 2 * axis] = place[there, axis]
-            layer[there, 2 * axis + 1] = bend
-    if count > 50:  # ways out of the frame
-        layer[:, -1, :2] = layer[-1, :, 2:4] = 0.5, 60
-    else:
-        layer[:, -1, 0] = layer[-1, :, 2] = 0
-    layer[..., 4] = rng.choice((-1.0, 0.5, 30.0, 80.0), size, p=(0.1, 0.3, 0.3, 0.3))
-    return layer
-
-
-def strokes(rng, size, count):
-    """The layer `marks` of short lines every way."""
-    height, width = size
-    marks = np.zeros((height, width, 2))
-    for _ in range(count):
-        a = rng.uniform(2, np.maximum(2, (width - 3, height - 3)))
-        turn = rng.uniform(0, 2 * np.pi)
-        way = rng.uniform(5, 11) * np.array([np.cos(turn), np.sin(turn)])
-        for axis in (0, 1):  # crossings of rows, then of columns
-            across, along = 1 - axis, axis
-            low, high = sorted((a[across], a[across] + way[across]))
-            for line in range(int(np.ceil(low)), int(np.floor(high)) + 1):
-                at = a[along] + way[along] * (line - a[across]) / way[across]
-                p = (line, int(np.floor(at))) if axis == 0 else (int(np.floor(at)), line)
-                if 0 <= p[0] < height - 1 and 0 <= p[1] < width - 1:
-                    marks[p][axis] = max(at % 1, 1e-3)
-    return marks
-
-
 def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, painted=False, styles=0, busy=True,
-           strong=1.0, light=1.0, hand=0, bent=0, inlaid=0, told=0, specks=0, joints=False, without=(), cut=(0, 0)):
+           strong=1.0, light=1.0, inlaid=0, specks=0, joints=False, without=(), cut=(0, 0)):
     """Faces, colours and shadows; things before them that depth and index tell; wires thinner than a pixel or so.
     cut: pixels that are cut off, of the rows above and below and of the columns left and right."""
     rng = np.random.default_rng(seed)
@@ -123,16 +84,6 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
         layers["normal"] = np.where(sky[..., None], 0, layers["normal"])
     layers["combined"] = np.concatenate([layers["albedo"] * layers["diffuse"], np.ones((*size, 1))], -1)
     layers["color"] = layers["albedo"]
-    layers["marks"] = np.where(rng.random((*size, 2)) < 0.03, rng.uniform(-1, 1, (*size, 2)), 0)
-    if hand:
-        layers["marks"] = strokes(rng, size, hand)
-    for _ in range(told):  # contours, which come as far before what is behind them as chance has it
-        line = strokes(rng, size, 1)
-        steps = np.clip(rng.integers(0, 6) + rng.integers(-1, 2, (*size, 2)), 0, 9)
-        line = np.where(line > 0.9, 1, line)  # at the far pixel's centre
-        layers["marks"] = np.where(line > 0, -line - 2 * steps, layers["marks"])
-    if bent:
-        layers["creases"] = edges(rng, size, bent)
     if mirror:
         glass = _cover(rng, y, x, "half", size)[..., None]
         layers["seen_normal"] = np.where(glass, _patches(rng, size, kinds, normal), layers["normal"])
@@ -146,12 +97,11 @@ def shapes(seed, size=(30, 44), things=0, wires=0, noise=0.0, mirror=False, pain
             layers[name] = layers[name] * (1 + noise * rng.standard_normal(layers[name].shape))
     for _ in range(inlaid):  # of another material, or another object, and nothing else tells it
         layers[rng.choice(("material", "object"))][_cover(rng, y, x, "disc", size)] = rng.integers(5, 9)
-    for k in range(specks):  # of other objects, a few pixels large, few of them told
+    for k in range(specks):  # of other objects, a few pixels large
         y, x = rng.integers((0, 0), size)
         high, wide = rng.integers(1, 4, 2)
         layers["object"][y:y + high, x:x + wide] = 10 + k
         layers["object"][y, x:x + wide + rng.integers(0, 2)] = 10 + k
-        layers["marks"] = np.where(rng.random((*size, 1)) < 0.8, 0, layers["marks"])
     if painted:
         layers["controls"] = np.where(rng.random((*size, 1)) < 0.7, 0, rng.uniform(-0.3, 0.3, (*size, CONTROLS)))
         if painted < 0:
@@ -212,9 +162,8 @@ def sweeps(seed, size=(20, 60)):
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
 
 
-def wires(seed, size=(40, 52), count=4, without=(), noise=0.0, between=False):
-    """Wires of every width and contrast before a wall that a step divides, some of them just before it. between: thin
-    ones, of which is told where they pass between centres, and half of which only centres show."""
+def wires(seed, size=(40, 52), count=4, without=(), noise=0.0):
+    """Wires of every width and contrast before a wall that a step divides, some of them just before it."""
     rng = np.random.default_rng(seed)
     height, width = size
     fy, fx = (np.mgrid[:height * FINER, :width * FINER] + 0.5) / FINER - 0.5
@@ -222,36 +171,22 @@ def wires(seed, size=(40, 52), count=4, without=(), noise=0.0, between=False):
     depth = np.where(_cover(rng, y, x, "half", size), 5.0, 5.0 * (1 + rng.choice([0, 0.002, 0.1, 0.3, 0.6])))
     object_ = np.zeros(size)
     value = np.tile(np.r_[np.full(3, 0.5), 0, 0, 0.9], (*size, 1))
-    marks = np.zeros((*size, 2))
     for k in range(count):
-        turn, broad = rng.uniform(0, np.pi), rng.uniform(0.3, 1.2 if between else 3.6)
+        turn, broad = rng.uniform(0, np.pi), rng.uniform(0.3, 3.6)
         at = rng.uniform(0.15, 0.85, 2) * size
 
-        def side(y, x, turn=turn, at=at):
-            return (x - at[1]) * np.cos(turn) + (y - at[0]) * np.sin(turn)
+        def off(y, x, turn=turn, at=at):
+            return np.abs((x - at[1]) * np.cos(turn) + (y - at[0]) * np.sin(turn))
 
-        def off(y, x, side=side):
-            return np.abs(side(y, x))
         share = (off(fy, fx) < broad / 2).reshape(height, FINER, width, FINER).mean((1, 3))[..., None]
         own = value.mean((0, 1)) + rng.standard_normal(6) * np.repeat(rng.choice([0.03, 0.08, 0.3], 2), 3)
-        seen = share * own + (1 - share) * value
+        value = share * own + (1 - share) * value
         hit = off(y, x) < broad / 2
-        value = np.where(hit[..., None], own, value) if between and k % 2 else seen
-        for axis in (0, 1):  # where its contours pass, as the rasteriser tells
-            a, b = off(y, x)[:-1, :-1] - broad / 2, off(y + axis, x + 1 - axis)[:-1, :-1] - broad / 2
-            with np.errstate(divide="ignore", invalid="ignore"):
-                marks[:-1, :-1, axis] = np.where((a < 0) != (b < 0), -np.clip(a / (a - b), 0.01, 1),
-                                                 marks[:-1, :-1, axis])
-                one, other = side(y, x)[:-1, :-1], side(y + axis, x + 1 - axis)[:-1, :-1]
-                passes = between & (one * other < 0) & (a > 0) & (b > 0) & (marks[:-1, :-1, axis] == 0)
-                marks[:-1, :-1, axis] = np.where(passes, -18 - one / (one - other), marks[:-1, :-1, axis])
         object_ = np.where(hit & (rng.random() < 0.7), k + 1, object_)
         depth = np.where(hit, np.minimum(depth, 5 * rng.choice([0.5, 0.9, rng.uniform(0.985, 0.993)])), depth)
     value = value + noise * rng.standard_normal(value.shape)
     layers = dict(combined=np.ones((*size, 4)), color=value[..., :3], diffuse=np.ones((*size, 3)), depth=depth,
                   object=object_, normal=value[..., 3:])
-    if seed % 2 or between:
-        layers["marks"] = marks
     return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if name not in without}
 
 

@@ -116,7 +116,7 @@ class _Tangle:
         site["column"], site["row"] = np.clip(np.floor(at + 0.5), 0, (width - 2, height - 2)).T  # between two pixels
         site["family"], site["axis"] = self.family, rng.integers(0, 2, len(at))
         site["step"] = np.clip(self.step, -127, 127) * (np.array([name.endswith("band") or name in (
-            "crack", "thin", "mark", "crease", "light") for name in FAMILIES])[self.family, None] == 0)
+            "crack", "thin", "light") for name in FAMILIES])[self.family, None] == 0)
         linked = np.bincount(np.array(self.links).ravel(), minlength=len(at)) > 0
         site["dropped"] = ~linked
         site["crumb"] = ~linked & (rng.random(len(at)) < 0.5)

@@ -15,6 +15,12 @@ MORE_LEVELS = [(0.1,), (0.3, 0.2, 0.1), (0.4, 0.35, 0.0), (0.6, 0.5, 0.1), (0.7,
 RAMP = (0.05, 0.1, 0.25, 0.4, 0.5, 0.6, 0.75, 0.9, 0.95)
 
 
+def there(maps):
+    """1 where something is. Light where nothing is would be a shadow that is caught, which has its own test."""
+    depth = maps["depth"].reshape(*maps["depth"].shape[:2], 1)
+    return np.float32((depth > 0) & (depth < 1e9))
+
+
 def stuck(width, height, seed=0):
     """Layers of the scene that `sticks` draws, with noise in what tones read besides."""
     rng = np.random.default_rng(seed)
@@ -22,7 +28,7 @@ def stuck(width, height, seed=0):
     maps = library.raster(meshes, view, projection, Frame(width, height), (width, height), 0.1,
                           outputs=("depth", "object", "shading", "anchor", "tangent", "card"))
     color, diffuse = rng.uniform(0, 1, (height, width, 3)), rng.uniform(0, 1.3, (height, width, 3))
-    alpha = rng.uniform(0.2, 1, (height, width, 1))
+    alpha, diffuse = rng.uniform(0.2, 1, (height, width, 1)), diffuse * there(maps)
     combined = np.concatenate([color * diffuse + rng.uniform(-0.1, 0.2, color.shape), alpha], 2)
     layers = dict(combined=combined, color=color, diffuse=diffuse, depth=maps["depth"], normal=maps["shading"],
                   object=maps["object"], anchor=maps["anchor"], tangent=maps["tangent"], card=maps["card"],
@@ -67,7 +73,7 @@ def steep(width, height, seed=0):
 def ramped(width, height, seed=0):
     layers = stuck(width, height, seed)
     light = np.linspace(0, 1.2, width, dtype=np.float32)[None, :, None]
-    layers["diffuse"] = np.ascontiguousarray(np.broadcast_to(light, layers["color"].shape))
+    layers["diffuse"] = np.ascontiguousarray(np.broadcast_to(light, layers["color"].shape)) * there(layers)
     layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
     del layers["controls"], layers["style"]
     return layers
@@ -128,3 +134,32 @@ def flat(dark, size=(444, 444), anchor=None, tile=TILE, card=None, **scene):
     ink = library.render(layers, dict(ALONE, shade_levels=[(1 - dark,)], **scene), image=lambda _: tile,
                          outputs=["Encre Tones"])
     return ink.images["Encre Tones"][..., 3]
+
+
+def shaded(height, width, light=0.4, color=0.8):
+    """Layers of a wall of one colour in one light; a test draws on them."""
+    one = np.ones((height, width, 3))
+    return dict(combined=np.ones((height, width, 4)), color=one * color, diffuse=one * light, normal=one,
+                depth=np.full((height, width), 5.0))
+
+
+def whole(layers):
+    layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
+    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+
+
+def crowded(seed, height=70, width=110):
+    """Bars and crumbs of many sizes and colours, on and before a wall, in shadows of many widths."""
+    rng = np.random.default_rng(seed)
+    layers = shaded(height, width)
+    layers["object"] = np.zeros((height, width))
+    for name, count, choices in (("color", 50, (0.01, 0.05, 0.3, 0.9)), ("diffuse", 40, (0.1, 0.4, 0.4, 0.9))):
+        for number in range(count):
+            y, x, (h, w) = rng.integers(height), rng.integers(width), rng.integers(1, [12, 40])[rng.permutation(2)]
+            layers[name][y:y + h, x:x + w] = rng.choice(choices)
+            if name == "color" and rng.random() < 0.3:
+                layers["depth"][y:y + h, x:x + w] = rng.choice([4.8, 4.99])
+                layers["object"][y:y + h, x:x + w] = number % 3
+    layers["depth"][:6, -30:] = layers["diffuse"][:6, -30:] = 0
+    layers["style"] = (np.arange(width) > 80) * np.ones((height, 1))
+    return whole(layers)

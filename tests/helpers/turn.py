@@ -327,7 +327,9 @@ def main():
     ink, depth, seconds = render(folder)
     text = page(judge(bpy.context.scene, ink, depth), seconds)
     stills(ink, ROOT / "docs" / "animation.jpg")
-    (ROOT / "docs" / "animation.md").write_text(text, encoding="utf-8")
+    page_ = ROOT / "docs" / "animation.md"
+    rest = page_.read_text(encoding="utf-8").partition("\n## ")  # of other helpers
+    page_.write_text(text + "".join(rest[1:]), encoding="utf-8")
     print(text)
 
 

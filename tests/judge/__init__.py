@@ -11,9 +11,10 @@
 
 shapes: solids met by rays, and the curves on them; camera; scene: light, layers, truth; scenes: the library; meshes:
 scenes of polygons; told: such of which our rasteriser tells; kinds: scenes of other kinds than FINE was tuned on;
-unseen: such that it was never tuned on; measure: the promises, on one picture; verdict: their limits, on many. The
-truth comes from the formulas alone: curves that may be contours (edges, silhouettes, crossings, rims of patches, light
-levels, shadows, the horizon) are kept where a ray 0.004 pixels to one side sees something else than one to the other
+unseen, fresh: such that it was never tuned on; measure: the promises, on one picture; verdict: their limits, on many.
+The truth comes from the formulas alone: curves that may be contours (edges, silhouettes, crossings, rims of patches,
+light levels, shadows, the horizon) are kept where a ray 0.004 pixels to one side sees something else than one to the
+other
 side.
 
 To add: a scene to scenes, by name; a promise to measure, its limit to verdict, and to tests/fine/test_judge.py a defect

@@ -248,7 +248,7 @@ def leaves(**more):
     wall = box((6, 4, 0.1), (0, 1.2, -2.5), turned(0.1))
     solids = coloured([wall, *(solid for solid, _ in found)])
     return Told(look([0.1, 1.3, 6.0], [0, 1.2, 0], **more), solids, FLAT,
-                drawn=[hull((6, 4, 0.1), (0, 1.2, -2.5), turned(0.1)), *(card for _, card in found)])
+                drawn=[hull((6, 4, 0.1), (0, 1.2, -2.5), turned(0.1))], cards=[card for _, card in found])
 
 
 def bevels(**more):

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes of which our rasteriser tells where meshes end, bend and pass through each other; and meshes for them."""
+"""Scenes of which chains of mesh edges tell where meshes end, bend and pass through each other; and meshes for them."""
 
 from dataclasses import replace
 from functools import cached_property
 from itertools import combinations, pairwise
 
+import chained
 import numpy as np
 from encre.pen import job, library, overlay
 from reference import near
@@ -31,41 +32,44 @@ def matrices_of(camera, size):
 
 
 def rasters(meshes):
-    """As the rasteriser takes them, numbered from 1 on."""
-    return [job.Mesh(mesh.points.astype(np.float32), mesh.triangles, object_index=k)
-            for k, mesh in enumerate(meshes, 1)]
+    """As the rasteriser takes them, numbered from 1 on; those of one color have one material."""
+    colors = [tuple(mesh.color) for mesh in meshes]
+    return [job.Mesh(mesh.points.astype(np.float32), mesh.triangles, object_index=k,
+                     material_index=1 + colors.index(color))
+            for k, (mesh, color) in enumerate(zip(meshes, colors, strict=True), 1)]
 
 
-def tell(layers, meshes, matrices, seed=0):
-    """Layers, and what rasterised meshes tell, put together as the engine does."""
+def tell(layers, meshes, matrices, seed=0, cards=0):
+    """Layers, and what rasterised meshes tell, put together as the engine does. The last `cards` meshes are cut out by
+    alpha: the picture tells their lines."""
     h, w = layers["depth"].shape[:2]
     maps = library.raster(rasters(meshes), *matrices, job.Frame(w, h), (w, h), 0.01, outputs=(
-        "object", "depth", "material", "style", "normal", "marks", "creases", "coincident"))
-    del maps["depth"]
+        "object", "material", "style", "coincident"))
     index, other = layers["object"][..., 0].astype(np.int64), maps["coincident"].astype(np.int64)
     either = (other > 0) & (maps["object"] == index) & (np.random.default_rng(seed).random((h, w)) < 0.5)
     index = np.where(either, other, index)  # a renderer shows now this, now that
     numbers = np.arange(len(meshes) + 1)
     told = overlay.rasterised(index, overlay.compact(maps), numbers, numbers, lambda lost: lost)
-    return layers | {name: np.ascontiguousarray(told[name], np.float32)
-                     for name in ("object", "marks", "creases") if name in told}
+    lines = chained.lines(rasters(meshes), *matrices, job.Frame(w, h), (w, h), 0.01, cards)
+    return layers | {"object": np.ascontiguousarray(told["object"], np.float32), "chains": lines}
 
 
 class _Telling:
     """Layers with what rasterised meshes tell, put together as the engine does."""
     drawn = ()  # meshes that are rasterised, one for each solid
+    cards = 0   # the last of them that are cut out by alpha
 
     def layers(self, filter="box", noise=0.0, seed=0, one_index=False):
         matrices = matrices_of(self.camera, self.size)
-        return tell(super().layers(filter, noise, seed), self.drawn or self.solids, matrices, seed)
+        return tell(super().layers(filter, noise, seed), self.drawn or self.solids, matrices, seed, self.cards)
 
 
 class ToldSolids(_Telling, Scene):
     """Solids by formula, cut out of meshes by alpha."""
 
-    def __init__(self, camera, solids, light, drawn, **more):
+    def __init__(self, camera, solids, light, drawn, cards, **more):
         super().__init__(camera, solids, light, **more)
-        self.drawn = drawn
+        self.drawn, self.cards = [*drawn, *cards], len(cards)
 
 
 class ToldMeshes(_Telling, MeshScene):
@@ -168,9 +172,9 @@ class ToldMeshes(_Telling, MeshScene):
         return Truth(x, y, nx, ny, none - 1, none, none > 0, none + bend, none, none, none > 0, self.size)
 
 
-def Told(camera, solids, light, drawn=None, **more):  # noqa: N802 - either class
+def Told(camera, solids, light, drawn=None, cards=(), **more):  # noqa: N802 - either class
     if drawn:
-        return ToldSolids(camera, solids, light, drawn, **more)
+        return ToldSolids(camera, solids, light, drawn, cards, **more)
     return ToldMeshes(camera, solids, **more)
 
 

@@ -68,7 +68,7 @@ def widths(draw, scene, layers):
 
 def is_told(layers):
     """Whether there are layers that only our rasteriser gives."""
-    return bool(layers.keys() & {"marks", "creases"})
+    return bool("chains" in layers)
 
 
 def fair(draw, scene, layers):

@@ -4,7 +4,7 @@
 In: layers, parameters, camera and frame, as encre_render() takes them. Out: the pictures that it should give, and masks
 of pixels where rounding may decide (a threshold, a tie), which tests leave out.
 
-frame runs the stages; edges, shade, smudge, hatch, paper and lines are one each, raster, marks and bake the other
+frame runs the stages; edges, shade, smudge, hatch, paper and lines are one each, raster and bake the other
 functions of the library. fine is the detector FINE: sites its first half, chains its second, seen what it does in
 mirrors. params has defaults and scopes of its own, metric the colour differences; grid and near are windows and
 neighbours.

@@ -4,7 +4,7 @@ short. As in passes.py."""
 
 import numpy as np
 
-from .passes import CLOSE, COLOR, COLUMN, FAMILIES, LIGHT, NUMBER, ROW, SEEN
+from .passes import CLOSE, COLOR, COLUMN, LIGHT, NUMBER, ROW, SEEN
 
 
 def chains(t):
@@ -46,29 +46,12 @@ def _way(t, i):
     return t.at[links[1] if len(links) == 2 else i] - t.at[links[0]]
 
 
-def _rounds(t, runs, marks):
-    """Which sites go round a few pixels of which the rasteriser's marks say nothing; unsure."""
-    gone, unsure = set(), set()
-    for run in runs:
-        length = sum(t.apart(i, j) for i, j in zip(run, run[1:]))  # noqa: B905
-        if run[0] != run[-1] or len(t.links[run[0]]) != 2 or length >= 9 + CLOSE:
-            continue
-        at = [(slice(max(row - 1, 0), row + 2), slice(max(column - 1, 0), column + 2))
-              for row, column in zip(t.site["row"][run].astype(int), t.site["column"][run].astype(int), strict=True)]
-        if (t.family[run] == NUMBER["crack"]).all() and not any(marks[place].any() for place in at):
-            (unsure if length > 9 - CLOSE else gone).update(run)
-    return gone, unsure
-
-
-def beside(t, shape, marks):
-    """Which sites are dropped with their chain, because it runs along another, wiggles, is a speck of light or in a
-    mirror, or goes round pixels that no mesh has; marks: of a frame with meshes, or None; unsure; and which share of
-    the width is left of all: less than 1 of edges of meshes that wiggle.
-    """
+def beside(t, shape):
+    """Which sites are dropped with their chain, because it runs along another, wiggles, or is a speck of light or in a
+    mirror; unsure."""
     runs = chains(t)
     chain_of = {i: k for k, run in enumerate(runs) for i in run if len(t.links[i]) <= 2}
-    gone, unsure = (set(), set()) if marks is None else _rounds(t, runs, marks)
-    doubt, share = [0.0], np.ones(len(t))
+    gone, unsure, doubt = set(), set(), [0.0]
 
     def along(i):
         way = _way(t, i)
@@ -87,7 +70,7 @@ def beside(t, shape, marks):
 
     def weight(k):
         run = runs[k]
-        its = [0 if FAMILIES[t.family[i]] == "mark" else t.rank[i] for i in run if len(t.links[i]) <= 2]
+        its = [t.rank[i] for i in run if len(t.links[i]) <= 2]
         return min([*its, SEEN + 1]), -sum(t.apart(i, j) for i, j in zip(run, run[1:])), run[0], run[1]  # noqa: B905
 
     weights = sorted((weight(k), k) for k in range(len(runs)))
@@ -108,12 +91,8 @@ def beside(t, shape, marks):
             loose = sum(t.is_end(i) and not t.at_border(i, shape) for i in (run[0], run[-1]))
             whole = max(length, 1e-9)
             members = [i for i in run if len(t.links[i]) <= 2]
-            edge = bool(members) and (t.family[members] == NUMBER["crease"]).all()
-            turns = _turns(t, run)
-            margins = [-1 if rank == LIGHT or edge or not loose else of_all / whole - 0.5,
-                       turns - (0.3 if rank == LIGHT or edge else 0.12)]
-            if edge:
-                share[members] = min(1, max(0, (0.3 - turns) / 0.18))
+            margins = [-1 if rank == LIGHT or not loose else of_all / whole - 0.5,
+                       _turns(t, run) - (0.3 if rank == LIGHT else 0.12)]
             if rank >= LIGHT and (loose == 2 or closed):
                 least = 6 if rank == LIGHT else 9
                 margins.append((least - length) / least)
@@ -121,7 +100,7 @@ def beside(t, shape, marks):
                 unsure |= set(run)
             if max(margins) > 0:
                 gone |= set(members)
-    return gone, unsure, share
+    return gone, unsure
 
 
 def spurs(t, shape):
@@ -147,8 +126,7 @@ def spurs(t, shape):
 
 def short(t, least, shape, numbers):
     """Sites that hang together, begin and end in the open and are in all shorter than `least`, by site, at one of their
-    ends, edges of meshes as much shorter as they are narrower than others; outlines, between `numbers` of things, and
-    marks are none, but for contours that the mesh alone tells; cracks by themselves likewise; and of what goes round a
+    ends; outlines, between `numbers` of things, are none; cracks by themselves likewise; and of what goes round a
     colour, some of it weak, and is shorter than twice that at a weak one, or round light and four times, or round a
     colour and 6.5 pixels; unsure; and of all which share of the width is left: less than 1 where they go round a colour
     in less than 9.5 pixels."""
@@ -157,17 +135,13 @@ def short(t, least, shape, numbers):
     beyond = ((row + (t.site["axis"] != ROW)).clip(0, shape[0] - 1),
               (column + (t.site["axis"] != COLUMN)).clip(0, shape[1] - 1))
     bounds = True if numbers is None else numbers[row, column] != numbers[beyond]
-    meant = ((t.rank == 0) & (t.site["told"] == 0) & bounds) | (t.family == NUMBER["mark"])
+    meant = (t.rank == 0) & bounds
 
     def free(i):
         return i not in gone and t.is_end(i) and not t.at_border(i, shape)
 
-    def inked(i, j):
-        edges = t.family[i] == t.family[j] == NUMBER["crease"]
-        return t.apart(i, j) * (1 - edges * (float(t.site["eased"][i]) + float(t.site["eased"][j])) / 510)
-
     for i in range(len(t)):
-        lone = t.family[i] in (NUMBER["crack"], NUMBER["crease"]) and not (meant[i] or t.links[i] or t.dropped[i])
+        lone = t.family[i] == NUMBER["crack"] and not (meant[i] or t.links[i] or t.dropped[i])
         if lone and least[i] > 0 and not t.at_border(i, shape):
             gone.add(i)
         if not free(i):
@@ -175,7 +149,7 @@ def short(t, least, shape, numbers):
         piece, length = [i], 0.0
         for k in piece:
             piece += [j for j in t.links[k] if j not in piece]
-            length += sum(inked(k, j) for j in t.links[k]) / 2
+            length += sum(t.apart(k, j) for j in t.links[k]) / 2
             if length > least[i] + 1:
                 break
         if meant[piece].any() or any(len(t.links[k]) == 1 and not free(k) for k in piece):

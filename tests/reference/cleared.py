@@ -13,6 +13,13 @@ NARROW, WIDE, BESIDE = 0.7, 1.4, 2
 FINE = 0.35, 0.525
 
 
+def deep(color):
+    """How deep a red or a blue is."""
+    most, other = np.maximum(color[..., 1], color[..., 2]), np.maximum(color[..., 0], color[..., 1])
+    return clamp01(np.maximum((color[..., 0] - 2.6 * most) / np.maximum(most, 1e-37),
+                              (color[..., 2] - 1.6 * other) / np.maximum(other, 1e-37)))
+
+
 def _sure(contrast):
     return clamp01((contrast - LEAST) / (SURE - LEAST))
 
@@ -253,7 +260,9 @@ def kept(layers, params):
                         for own, others, sure, lines, sign in (
                             (dark, thin, dark_sure, one, 1), (thin, dark, light_sure, strokes, -1)))
     ground = 1 - _kept_share(around(thin, chalked, 1, wide))
-    board = (value <= LEAST) & (_about(printed, 2 * (wide + 2), np.max) < 128 / 255)
+    reds = np.array([table["tone_reds"] for table in params.tables])[layers.style]
+    board = value ** 2 <= LEAST ** 2 * (1 + reds * deep(layers.albedo))
+    board &= (_about(printed, 2 * (wide + 2), np.max) < 128 / 255)
     board &= _about(flat, wide, np.max)
     return keep, ease, dark_sure > 127 / 255, printed, ground, board * ground
 
@@ -311,12 +320,12 @@ def rooms(layers, screens, solid, clear, dark, radius):
             room = np.where(screen, np.maximum(room, np.maximum(np.minimum(way, neck), way - step)), 0)
         if (room == before).all():
             break
-    depth = np.where(layers.there, layers.depth, 1e30)
     at_light, at_dark, within = (np.zeros(screen.shape, int) for _ in range(3))
     for v, u in ((0, 1), (0, -1), (1, 0), (-1, 0)):
-        other, near = (_shifted(plane, v, u) for plane in (depth, clear & ~inked))
-        same = ((_shifted(layers.object, v, u) == layers.object)
-                | (np.abs(other - depth) <= SAME_DEPTH * np.minimum(other, depth)))
+        other, near, there = (_shifted(plane, v, u) for plane in (layers.depth, clear & ~inked, layers.there))
+        with np.errstate(invalid="ignore"):
+            beside = np.abs(other - layers.depth) <= SAME_DEPTH * np.minimum(other, layers.depth)
+        same = (_shifted(layers.object, v, u) == layers.object) | (there & layers.there & beside)
         ends = screen & ~_shifted(screen, v, u)
         at_light |= ends & _shifted(light, v, u)
         at_dark |= ends & ~_shifted(light, v, u)

@@ -48,24 +48,34 @@ def find(layers, params):
         "normal": _normal(layers, params),
         "color": _color(_color_layer(layers, params), layers, params),
         "light": _light(layers, params),
-        "mark": Source(_marked(layers.marks)),
+        "mark": Source(layers.marked),
     }
     owner = nearest_depth(layers.depth)
     style = layers.style[owner]
     weights = {name: params.at(strength_of(name), style) for name in SOURCES}
-    weights["color"] = np.maximum(0.0, weights["color"] + layers.controls["color_edge"])
+    control = layers.controls["color_edge"]
+    weights["color"] = painted_weight(params, weights["color"], control)
 
     weighted = np.array([weights[name] * sources[name].strength for name in SOURCES])
+    signed = np.array([
+        weights[name] * np.minimum(sources[name].response, sources[name].limit) for name in SOURCES
+    ])
+    if _by_contrast(params) and (control > 0).any():
+        encoded, color = _color_layer(layers, params), SOURCES.index("color")
+        ends = [(grid.read(encoded, dy, dx), grid.read(encoded, -dy, -dx)) for dy, dx in _PAIRS]
+        apart = np.max([metric.difference("CIEDE2000", *pair) for pair in ends], axis=0)
+        painted = painted_strength(params, control, apart)
+        weighted[color], signed[color] = np.maximum(weighted[color], painted), np.maximum(signed[color], painted)
+        jumps = np.any([metric.jumps("CIEDE2000", *pair) for pair in ends], axis=0)
+        sources["color"].doubtful = sources["color"].doubtful | (jumps & (control > 0))
     strength = weighted.max(axis=0)
     source = np.where(strength > 0, weighted.argmax(axis=0), -1)  # argmax takes the first of equals
     threshold = params["edge_threshold"]
     mask = (strength >= threshold) & (strength > 0)
 
     tolerance = 2e-5 + 1e-4 * strength
-    signed = np.array([
-        weights[name] * np.minimum(sources[name].response, sources[name].limit) for name in SOURCES
-    ])
     quiet = (signed == 0).all(axis=0)
+    weights["color"] = np.where(control > 0, 1.0, weights["color"])  # it matters, whatever the weight
     jumpy = np.any([(weights[name] > 0) & sources[name].doubtful for name in SOURCES], axis=0)
     near = (np.abs(signed.max(axis=0) - threshold) <= tolerance) & ~quiet
     widths = np.array([params.at(width(name), style) for name in SOURCES])
@@ -75,6 +85,17 @@ def find(layers, params):
         strength_doubtful=jumpy, mask_doubtful=near | jumpy,
         width_doubtful=_rivals(sources, weighted, widths, source, tolerance),
     )
+
+
+def painted_weight(params, weight, control):
+    """Of colours: what is painted black takes it away; of DOG, white adds to it."""
+    return weight * (1 + np.minimum(control, 0)) + (0 if _by_contrast(params) else np.maximum(control, 0))
+
+
+def painted_strength(params, control, difference):
+    """What white paint gives at least to a boundary between colours with a CIEDE2000 of 100 · `difference`."""
+    least = max(0.5, params["edge_threshold"]) * np.minimum(1, control * difference / 0.05)
+    return least * (np.asarray(control) > 0) * _by_contrast(params)
 
 
 def nearest_depth(depth):
@@ -111,15 +132,6 @@ def _rivals(sources, weighted, widths, source, tolerance):
 def _differs(index):
     """1 where a pixel of the 3×3 has another index."""
     return np.any([grid.read(index, dy, dx) != index for dy, dx in grid.window(1)], axis=0).astype(float)
-
-
-def _marked(marks):
-    """1 at the pixel whose centre is nearer to a line that passes between two, the first where it is halfway."""
-    found = np.zeros(marks.shape[:2], bool)
-    for axis, place in ((1, marks[..., 0]), (0, marks[..., 1])):
-        found |= (place > 0) & (place <= 0.5)
-        found |= (grid.read(place, axis - 1, -axis) > 0.5) & (np.indices(found.shape)[axis] > 0)
-    return found.astype(float)
 
 
 # Gaussians
@@ -230,7 +242,7 @@ def _light(layers, params):
 
 
 def _by_contrast(params):
-    return params["edge_detector"] == "SOBEL" or params["color_detector"] == "CONTRAST"
+    return params["edge_detector"] != "DOG" or params["color_detector"] == "CONTRAST"
 
 
 def _color(encoded, layers, params):
@@ -248,7 +260,8 @@ def _contrast(encoded, layers, params):
     """Herring's inter-color metric: the largest difference across the pixel."""
     kind, least = params["contrast_metric"], params["contrast_threshold"]
     ends = [(grid.read(encoded, dy, dx), grid.read(encoded, -dy, -dx)) for dy, dx in _PAIRS]
-    deltas = np.array([metric.difference(kind, *pair) for pair in ends])
+    weights = [params[f"contrast_{part}"] for part in ("hue", "saturation", "lightness")]
+    deltas = np.array([metric.difference(kind, *pair, weights) for pair in ends])
     full = np.full(encoded.shape[:2], float(params["contrast_full"]))
     if params["contrast_local"]:
         full = np.maximum(0.25, grid.most(deltas.max(axis=0), _auto_radius(layers, params)))

@@ -11,7 +11,7 @@ STEPS = 8, 4, 2, 1
 
 
 def even(light, rendered, normal, depth, number):
-    """What addon/pen/even.py makes of these; light, rendered, normal: (H, W, 3), depth, number: (H, W)."""
+    """What csrc/samples/even.c makes of these; light, rendered, normal: (H, W, 3), depth, number: (H, W)."""
     own = Picture(light.max(2), normal, depth, number)
     noise = spread(Picture(rendered.max(2), normal, depth, number))
     most = {p: noise[p] - own.light[p] / 3000 for p in noise}

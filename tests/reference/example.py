@@ -10,6 +10,7 @@ from .shade import exposed, other
 LIGHT = np.array((-0.5, 0.6, 0.6245))
 FLAT = math.hypot(*LIGHT[:2])
 PITCH, SEAM, RELIEF = 0.3, 0.08, 0.22
+PATCH = 0.1375  # of the ball
 WORD = 0xffffffff
 
 
@@ -137,14 +138,6 @@ def on_picture(x, y):
     return np.array([x, y, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 0]) / 64
 
 
-def worked(ball, strength, gloss, place, root):
-    """The factor on what a metal mirrors: its brush work over the ball's coarse colour, all channels alike."""
-    own = np.array((ball.middle[0] + ball.radius * place[0], ball.middle[1] - ball.radius * place[1]))
-    share = strength * min(max(8 * (gloss.max() - 0.06), 0), 1)
-    rate = min(root.sum() / max(ball.coarse(*own).sum(), 1e-3), 2)
-    return 1 + share * (rate ** 2 - 1)
-
-
 def color(ball, loose, patches, place):
     own = np.array((ball.middle[0] + ball.radius * place[0], ball.middle[1] - ball.radius * place[1]))
     seen = []
@@ -182,11 +175,10 @@ def paint(layers, params, surface):
         place = np.array(normal[:2])
         place += one["example_light"] * (np.array(lit_place(*place, light[y, x])) - place)
         anchor = on_picture(layers.x + x, layers.y + y) if layers.anchor is None else layers.anchor[y, x]
-        patches = cells(anchor, one["example_patch"] * scale)
+        patches = cells(anchor, PATCH * one["example_size"] * scale)
         root = np.maximum(color(balls[style], one["example_loose"], patches, place), 0)
         own = 1 + one["example_own_color"] * (layers.color[y, x] - 1)
         rest = params["other_light"] * left[y, x]
-        rest *= worked(balls[style], one["example_gloss"], layers.gloss[y, x], place, root)
         painted = np.maximum(root ** 2 * own * surface[y, x, 3] + rest, 0)
         out[y, x, :3] += one["example_strength"] * (painted - out[y, x, :3])
     return out

@@ -15,35 +15,15 @@ def _sigma(view):
     return float(np.clip(view.params["suggestive_size"] * view.params.pixels(view.layers.full_height), 1.5, 64))
 
 
-def _hollow(view, row, column, axis):
-    """How far normals turn over a bend between faces that are shaded smoothly, above 0 where it is a hollow; else 0."""
-    if not view.layers.creases[row, column, 1 + 2 * axis] < 0:
-        return 0.0
-    (height, width), (dy, dx) = view.shape, (axis, 1 - axis)
-    one = view.layers.normal[max(row - 2 * dy, 0), max(column - 2 * dx, 0)]
-    two = view.layers.normal[min(row + 3 * dy, height - 1), min(column + 3 * dx, width - 1)]
-    return float((two - one) @ view.layers.view[axis]) * (1 if axis else -1)
-
-
-def _cut(view, cracks, bent):
-    """(H, W), twice: pixels beside a crack, a crease or an edge of faces that are shaded flat; and that may be."""
+def _cut(view, cracks):
+    """(H, W), twice: pixels beside a crack; and that may be."""
     masks = np.zeros((2, *view.shape), bool)
-
-    def beside(row, column, axis, surely):
+    for (family, row, column, axis), site in cracks.items():
         far = row + (axis == COLUMN), column + (axis == ROW)
-        if far[0] < view.shape[0] and far[1] < view.shape[1]:
-            for mask in masks[0 if surely else 1:]:
+        if family == "crack" and axis in (ROW, COLUMN) and site.margin > -SURE and far[0] < view.shape[0] and (
+                far[1] < view.shape[1]):
+            for mask in masks[0 if site.margin > SURE and not site.doubtful else 1:]:
                 mask[row, column] = mask[far] = True
-
-    for (family, row, column, axis), site in [*cracks.items(), *bent.items()]:
-        turns = _hollow(view, row, column, axis) if family == "crease" and axis in (ROW, COLUMN) else 0
-        may = site.margin > -SURE or site.doubtful
-        if family in ("crack", "crease") and axis in (ROW, COLUMN) and turns < 1e-5 and may:
-            beside(row, column, axis, site.margin > SURE and not site.doubtful and (not turns or turns < -1e-5))
-    for axis in (ROW, COLUMN) if view.meshes else ():
-        flat = (view.layers.creases[..., 2 * axis] > 0) & (view.layers.creases[..., 2 * axis + 1] > 0)
-        for row, column in np.argwhere(flat):
-            beside(row, column, axis, True)
     return masks
 
 
@@ -151,12 +131,12 @@ def _valley(view, light, soft, row, column, sigma):
     return axis, site
 
 
-def valleys(view, cracks, bent):
-    """{(family, row, column, axis): Place} of all that may be; cracks, and creases that give way to no other."""
+def valleys(view, cracks):
+    """{(family, row, column, axis): Place} of all that may be."""
     if not view.weights[SUGGESTIVE].any():
         return {}
     sigma, light = _sigma(view), view.layers.normal @ view.layers.view[2]
-    found, cuts = [], _cut(view, cracks, bent)
+    found, cuts = [], _cut(view, cracks)
     for cut in cuts if (cuts[0] != cuts[1]).any() else cuts[:1]:
         soft = _fitted(np.where(cut, np.nan, light), sigma)
         soft = turn(COLUMN, _fitted(turn(COLUMN, soft), sigma))
@@ -175,36 +155,18 @@ def valleys(view, cracks, bent):
     return sure
 
 
-def beside(view, bent, found):
-    """Creases without the hollows of round forms that give way to a valley; some do so by a part of their width."""
-    far, threshold, left = FLANK * _sigma(view), view.threshold, {}
-    own = [site for key, site in found.items() if key[0] == "valley" and site.margin > -SURE]
-    at = np.array([(site.x, site.y) for site in own]).reshape(-1, 2)
-    clear = np.array([clamp01(2 * site.strength / threshold - 1) if threshold > 0 else 1 for site in own])
-    for key, site in bent.items():
-        shares = np.zeros(1)
-        if own and (turns := _hollow(view, *key[1:])) and turns > -1e-5:
-            shares = clear * clamp01(2 - np.hypot(*(at - (site.x, site.y)).T) / far)
-            site.doubtful |= any(own[i].doubtful or own[i].margin < SURE for i in np.flatnonzero(shares > 0.004))
-            site.doubtful |= bool(abs(shares.max() - 1) < 1e-4 or (turns < 1e-5 and shares.max() > 0))
-        site.eased = 255 - (1 - shares.max()) * (255 - np.floor(site.eased + 0.5))  # it is kept in whole numbers
-        if shares.max() < 1:
-            left[key] = site
-        elif site.doubtful:
-            site.margin = 0.0
-            left[key] = site
-    return left
-
-
 # Once all is linked: each that hangs together is as wide as it is clear and long
 
 
-def ease(t, params, style, number, scale):
-    """(shares of the width that sites of forms, light, colours, what is seen and edges of meshes have left, else 1)."""
+def ease(t, view, scale):
+    """(shares of the width that sites of forms, light, colours and what is seen have left, else 1)."""
+    params, style = view.params, view.layers.style
     threshold, share = params["edge_threshold"], np.ones(len(t))
+    painted = np.array([view.layers.controls["color_edge"][view.pixel(*at)] > 0 for at in t.at], bool)
     q = t.site["strength"].astype(float) / threshold if threshold > 0 else np.full(len(t), np.inf)
     kinds = {"suggestive": (t.family == NUMBER["valley"], clamp01(q - 1)), "light": (t.rank == LIGHT, np.ones(len(t))),
-             "color": (t.rank == COLOR, np.clip(2 * q - 1, 0, 100)), "seen": (t.rank == SEEN, np.ones(len(t)))}
+             "color": (t.rank == COLOR, np.where(painted, 100, np.clip(2 * q - 1, 0, 100))),
+             "seen": (t.rank == SEEN, np.ones(len(t)))}
     known = set()
     for name, (lines, clear) in kinds.items():
         lines = lines & ~t.dropped
@@ -223,7 +185,7 @@ def ease(t, params, style, number, scale):
                 share[i] = min(clear[run].max(), long_) if name == "suggestive" else clamp01(2 * long_ - 1)
         if name == "color":
             share = _evened(t, share, np.flatnonzero(lines & (least > 0)), px(scale, 0.6) * 20)
-    return _ease_edges(t, params, style, number, scale, share)
+    return share
 
 
 def _evened(t, share, sites, spread):
@@ -234,28 +196,3 @@ def _evened(t, share, sites, spread):
         weight = np.maximum(0, 1 - np.abs(pixel - t.at[i]) / spread).prod(1)
         found[i] = weight @ share[sites] / weight.sum()
     return found
-
-
-def _ease_edges(t, params, style, number, scale, share):
-    """Of edges of meshes by how far all of the same thing go that hang together, and by how much of these older lines
-    have the place. number: of objects."""
-    of = number[t.site["near_y"], t.site["near_x"]]
-    edge = (t.family == NUMBER["crease"]) & ~(t.dropped & (t.site["weak"] > 0))
-    full = 2 * params.at("line_shortest", style[t.site["near_y"], t.site["near_x"]]) * scale
-    known = set()
-    for first in np.flatnonzero(edge & ~t.dropped):
-        if first in known:
-            continue
-        run = [int(first)]
-        for i in run:
-            run += [j for j in set(t.links[i])
-                    if edge[j] and of[j] == of[i] and not t.dropped[j] and j not in run]
-        known |= set(run)
-        net = list(run)
-        for i in net:
-            net += [j for j, d in t.within(i, 1.5)
-                    if edge[j] and of[j] == of[first] and d <= 1.5 and j not in net]
-        across = np.hypot(*np.ptp(t.at[net], axis=0))
-        if across < full[first]:
-            share[run] = 1 - t.dropped[net].mean() * (1 - across / full[first])
-    return share

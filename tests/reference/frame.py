@@ -3,14 +3,14 @@
 
 import numpy as np
 
+from . import between, example, gouache, hatch, lines, paper, printed, relief, rim, shade, smudge, specks, tones, wash
 from . import edges as edge_stage
-from . import example, hatch, lines, marks, paper, rim, shade, smudge, specks, tones, wash
 from .params import SWITCHES, Params
 
 CONTROLS = ("thickness", "intensity", "color_edge", "smudge_range", "smudge_falloff", "hatching", "light")
 REQUIRED = {"combined": 4, "color": 3, "diffuse": 3, "depth": 1, "normal": 3}
 OPTIONAL = {"albedo": 3, "specular": 3, "object": 1, "material": 1, "style": 1, "controls": len(CONTROLS),
-            "marks": 2, "creases": 5, "highlights": 3, "background": 3, "anchor": 16, "gloss": 3, "tangent": 3,
+            "highlights": 3, "background": 3, "anchor": 16, "gloss": 3, "tangent": 3,
             "card": 4}
 SEEN = {"seen_color": 3, "seen_normal": 3, "seen_depth": 1}
 _LARGEST = float(np.finfo(np.float32).max)
@@ -47,9 +47,6 @@ class Layers:
         self.background = None if layers.get("background") is None else data["background"]
         self.albedo = self.color if layers.get("albedo") is None else data["albedo"]
         self.object, self.material = data["object"][..., 0], data["material"][..., 0]
-        self.marked = layers.get("marks") is not None
-        self.marks, self.between = marks.told(data["marks"]), marks.between_of(data["marks"])
-        self.creases = data["creases"]
         self.anchor = None if layers.get("anchor") is None else data["anchor"]
         self.tangent = data["tangent"]
         self.card = None if layers.get("card") is None else data["card"]
@@ -70,6 +67,9 @@ class Layers:
         self.meter = 1.0, 0.0  # full light and shade
         self.full_width, self.full_height = frame.get("width", width), frame.get("height", height)
         self.x, self.y, self.number = (frame.get(key, 0) for key in ("x", "y", "number"))
+        told = layers["chains"].points if layers.get("chains") else []
+        passing = between.passages(told, (height, width), (self.y, self.x)) if len(told) else []
+        self.marked, self.contours = between.marked(passing, (height, width)), between.contours(passing, self.depth)
 
 
 def render(layers, scene=None, styles=(), camera=None, frame=None):
@@ -92,12 +92,15 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     edges = edge_stage.find(layers, params)
     surface, light, doubtful = shade.surface(layers, params)
     surface = example.paint(layers, params, surface)
+    surface = gouache.paint(layers, params, surface)
     surface, smudge_doubtful = smudge.smudge(layers, params, edges, surface, doubtful)
-    surface = wash.paint(layers, params, surface, hatch_paper)
+    surface, wash_doubtful = wash.paint(layers, params, surface, hatch_paper)
     surface, hatch_doubtful = hatch.hatch(layers, params, surface, hatch_paper)
     surface, tone_ink = tones.fill(layers, params, surface, hatch_paper)
     surface, rim_doubtful = rim.light(layers, params, surface)
     surface, _ = specks.fill(layers, params, surface)
+    surface, print_doubtful = printed.fill(layers, params, surface)
+    surface = relief.shine(layers, params, surface)
 
     rgb, alpha = surface[..., :3], surface[..., 3:]
     active = np.any([params.at(switch, layers.style) for switch in SWITCHES], axis=0)[..., None]
@@ -121,5 +124,6 @@ def render(layers, scene=None, styles=(), camera=None, frame=None):
     return {
         **passes, "edge_mask": edges.mask, "edge_source": edges.source, "sources": edges.sources,
         "nonfinite": layers.nonfinite, "edge_unsure": edges.strength_doubtful,
-        "unsure": doubtful | hatch_doubtful | smudge_doubtful | rim_doubtful | line_doubtful,
+        "unsure": doubtful | wash_doubtful | hatch_doubtful | smudge_doubtful | rim_doubtful | print_doubtful |
+        line_doubtful,
     }

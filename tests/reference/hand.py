@@ -3,17 +3,19 @@
 
 import numpy as np
 
+from . import grid
 from .edges import SOURCES
 from .ends import bilinear
 from .metric import clamp01, mix, value
+from .params import KINDS
 from .passes import COLUMN, CRACKS, FAMILIES, NUMBER, ROW, hits, told_by
 from .shade import exposed
 from .turns import onward
 
-KINDS = ("outline", "contact", "inner", "crease", "intersection", "material", "color", "shadow", "mirror", "mark")
 WIDTHS = {"outline": "object", "contact": "object", "inner": "depth", "crease": "normal", "intersection": "normal"}
 PRESSURE, ACROSS, DOWN, ROUGH, GAPS, FLOW, BRISTLE = range(7)
 FARTHER = BRISTLE + 8
+STREAKS, STREAK = 6, 33.0  # of dry bristles: how many and how long
 
 
 def hashed(x, y, z, seed):
@@ -170,10 +172,11 @@ class Hand:
 
     def bristles(self):
         """(number of bristles, 0 where none is dry; what each gives (n, 8))."""
-        length, dry = self.at("dry_length"), self.at("dry")
+        dry = self.at("dry")
+        length = np.full_like(dry, STREAK)
         flow = 1 + 0.6 * self.noise(6 * length, FLOW)
         ink = [clamp01(2.5 * (0.6 * self.noise(length, BRISTLE + k) + 1.15 - dry * flow)) for k in range(8)]
-        return np.where(dry > 0, self.at("bristles"), 0), np.floor(255 * np.stack(ink, -1) + 0.5) / 255
+        return np.where(dry > 0, STREAKS, 0), np.floor(255 * np.stack(ink, -1) + 0.5) / 255
 
 
 def across_at(way, px, py, half):
@@ -215,9 +218,6 @@ def kinds(t, layers):
             name = _shape(layers, site, height, width, name)
         elif name == "normal":
             name = "crease"
-            if site["axis"] < 2:
-                place, bend = layers.creases[site["row"], site["column"], 2 * site["axis"]:2 * site["axis"] + 2]
-                name = "intersection" if place and abs(bend) in (180, 540) else name
         out[i] = KINDS.index({"light": "shadow", "seen": "mirror"}.get(name, name))
     outline, shapes = KINDS.index("outline"), out.copy()
     for i, told in enumerate(told_by(t)):
@@ -295,7 +295,9 @@ def inks(t, layers, params, ink, half, picture):
     bare = clamp01(1.5 * _evened(t, _bare(t, layers, params, half, picture), half, unit, site["crowd"] > 0, {}))
     spared = mix(half, spared, bare * (1 - even) * share)
     wide = second * np.maximum(params.at("ink_dark_width", style), np.minimum(1, 0.5 / np.maximum(spared, 1e-12)))
-    wide = wide * np.where(colored(site), params.at("ink_dark_colors", style), 1)
+    pixel = grid.round_half_up(t.at[:, ::-1]).clip(0, np.array(layers.depth.shape) - 1)
+    painted = layers.controls["color_edge"][tuple(pixel.T)]
+    wide = wide * np.where(colored(site), mix(params.at("ink_dark_colors", style), 1, clamp01(painted)), 1)
     wide = wide * clamp01((2 * spared * wide - HAIR) / (1 - HAIR))
     factor = np.where(second > 0, mix(1, wide, share), 1) * spared / np.maximum(half, 1e-12)
     return mix(ink, params.at("ink_dark_color", style), (share * np.minimum(1, 8 * second))[:, None]), factor

@@ -134,6 +134,8 @@ def _exact(pen, edges):
 
 
 def _inked(pen, edges):
+    if pen is None:
+        return True
     """Where any line may reach: within the largest radius of an edge pixel."""
     spots = edges.mask | edges.mask_doubtful
     return grid.nearest(spots)[2] <= pen.reach[spots].max(initial=0.0)
@@ -166,6 +168,12 @@ def _closest_held(row, column):
 def _own(mask):
     y, x = grid.positions(mask.shape)
     return np.where(mask, y, -1), np.where(mask, x, -1)
+
+
+def held(params, edges):
+    """(row, column, doubtful) of the edge that WALK or DILATE finds for each pixel (row -1 = none), else None."""
+    find = {"WALK": _walk, "DILATE": _dilate}.get(params["line_search"])
+    return find(None, edges) if find else None
 
 
 def _dilate(pen, edges):

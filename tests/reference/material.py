@@ -89,16 +89,23 @@ def _bilinear(t, level, u, v):
     start, width, height = 0, t.width, t.height
     for _ in range(level):
         start, width, height = start + width * height, max(1, width // 2), max(1, height // 2)
-    texels = t.texels[start:start + width * height].reshape(height, width, 4).astype(float)
+    texels = t.texels.astype(float)[start:start + width * height].reshape(height, width, 4)
     x, y = u * width - 0.5, v * height - 0.5
-    left, low, total = int(np.floor(x)), int(np.floor(y)), 0
+    left, low, four, shares = int(np.floor(x)), int(np.floor(y)), [], []
     for row in (low, low + 1):
         for column in (left, left + 1):
-            share = (1 - abs(x - column)) * (1 - abs(y - row))
+            shares.append((1 - abs(x - column)) * (1 - abs(y - row)))
             place = ((row % height, column % width) if t.wrap == "repeat"
                      else (min(max(row, 0), height - 1), min(max(column, 0), width - 1)))
-            total = total + share * texels[place]
-    return total
+            four.append(texels[place])
+    four, shares = np.array(four), np.array(shares)
+    if t.curve is None:
+        return shares @ four
+    alpha = shares @ four[:, 3] / 255  # codes are mixed, and their mean made light
+    weights = shares * four[:, 3] if t.straight else shares
+    code = weights @ four[:, :3] / weights.sum() if weights.sum() > 0 else np.zeros(3)
+    color = np.interp(code, np.arange(256), t.curve.astype(float))
+    return np.array([*color * (alpha if t.straight else 1), alpha])
 
 
 # ---- numbers -----------------------------------------------------------------------------------------------------

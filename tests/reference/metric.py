@@ -45,6 +45,28 @@ def rgb(one, two):
     return np.sqrt((2 + mean) * red + 4 * green + (3 - mean) * blue) / 3
 
 
+def hsl(encoded):
+    """(…, 3) sRGB-encoded to lightness, and hue and chroma as a place in the plane across the greys."""
+    r, g, b = np.moveaxis(encoded, -1, 0)
+    light = (encoded.max(axis=-1) + encoded.min(axis=-1)) / 2
+    return np.stack([light, r - (g + b) / 2, np.sqrt(3) / 2 * (g - b)], axis=-1)
+
+
+def rgb_of_hsl(value):
+    """Back to sRGB-encoded."""
+    light, across, aside = np.moveaxis(value, -1, 0)
+    g = aside / np.sqrt(3)  # of channels whose mean of green and blue is 0
+    channels = np.stack([across, g, -g], axis=-1)
+    return channels + (light - (channels.max(-1) + channels.min(-1)) / 2)[..., None]
+
+
+def by_hsl(one, two, hue=1.0, saturation=1.0, lightness=1.0):
+    """On hsl(): how much of them are by hue and by chroma, and by lightness."""
+    chroma = np.hypot(one[..., 1], one[..., 2]) - np.hypot(two[..., 1], two[..., 2])
+    turn = np.maximum(0, ((one[..., 1:] - two[..., 1:]) ** 2).sum(-1) - chroma**2)
+    return np.sqrt((lightness * (one[..., 0] - two[..., 0])) ** 2 + (saturation * chroma) ** 2 + (hue / 2) ** 2 * turn)
+
+
 def cie76(one, two):
     return np.sqrt(((one - two) ** 2).sum(axis=-1))
 
@@ -105,14 +127,16 @@ def _cmc(first, second):
 _LAB = {"CIE76": cie76, "CIEDE2000": ciede2000, "CMC": cmc}
 
 
-def difference(metric, one, two):
-    """ΔE of two (…, 3) sRGB-encoded colours: 1 is black to white; CIE units are divided by 100."""
+def difference(metric, one, two, weights=(1.0, 1.0, 1.0)):
+    """ΔE of two (…, 3) sRGB-encoded colours: 1 is black to white; CIE units are divided by 100. weights: of HSL."""
     if metric == "RGB":
         return rgb(one, two)
+    if metric == "HSL":
+        return by_hsl(hsl(one), hsl(two), *weights)
     return _LAB[metric](lab(one), lab(two)) / 100
 
 
-JUMP = {"RGB": 0.0, "CIE76": 0.0, "CIEDE2000": 0.5, "CMC": 0.01}  # the most of ΔE that a jump changes
+JUMP = {"RGB": 0.0, "HSL": 0.0, "CIE76": 0.0, "CIEDE2000": 0.5, "CMC": 0.01}  # the most of ΔE that a jump changes
 
 
 def jumps(metric, one, two):

@@ -10,14 +10,15 @@ from .metric import clamp01
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-def heights(layers, params):
-    """(H, W) heights 0…1 for the lines and for hatching; they differ only where there is no paper."""
+def heights(layers, params, down=0):
+    """(H, W) heights 0…1 for the lines and for hatching, so many rows below; they differ only where there is no
+    paper."""
     shape = layers.depth.shape
     if params["paper_source"] == "NONE":
         return np.ones(shape), np.full(shape, 0.5)
     image = params["paper_source"] == "IMAGE"
     texels = _image(params["paper_image"]) if image else sheet(params["paper_seed"])
-    height = clamp01(0.8 + (_sample(texels, layers, params) - 0.8) * params["paper_roughness"])
+    height = clamp01(0.8 + (_sample(texels, layers, params, down) - 0.8) * params["paper_roughness"])
     return height, height
 
 
@@ -25,7 +26,8 @@ def _image(image):
     if image is None:
         raise ValueError("paper_source is IMAGE, but paper_image is not set")
     image = np.nan_to_num(np.asarray(image, np.float64), nan=0.0, posinf=0.0, neginf=0.0)
-    return image if image.ndim == 2 else image[..., :3] @ _LUMINANCE
+    gray = image if image.ndim == 2 else image[..., :3] @ _LUMINANCE
+    return gray + 0.8 - gray.mean()
 
 
 def _mix(n):
@@ -59,7 +61,8 @@ def sheet(seed):
     def number(index):
         return _mix(index.astype(np.uint32) + key)
 
-    pulp = (number(np.arange(512 * 512)) >> 24).astype(np.int64).reshape(512, 512)
+    ground = number(np.arange(512 * 512)).reshape(512, 512)
+    pulp = np.zeros((512, 512), np.int64)
     x, y, a, c = number(262144 + np.arange(4 * 8192)).reshape(8192, 4).T
     steps = (16 + (c & 31)).astype(np.int64)
     ink = (16 + 2 * ((c >> 5) & 7)).astype(np.int64)
@@ -72,18 +75,25 @@ def sheet(seed):
         x, y = x + _wave(a + np.uint32(0x40000000)), y + _wave(a)
         a, turn = a + turn, turn + bend
 
-    felt = _around(pulp, (1, 2, 1))
-    level = np.minimum(16383, np.maximum(0, 49 * felt + 262144 - _around(felt, (1,) * 7)) >> 5)
+    def pressed(tile, size):
+        return _around(tile, [size - abs(k) for k in range(1 - size, size)])
+
+    parts = [(ground >> 8 * k & 255).astype(np.int64) for k in range(4)]
+    tooth = sum(weight * pressed(part, size) for weight, part, size in zip((256, 64, 8, 1), parts, (2, 3, 5, 9),
+                                                                        strict=True))
+    pits = np.maximum(pressed(np.roll(parts[3], (256, 256), (0, 1)), 5) - 84712, 0)
+    felt = 2**20 + tooth + 16 * pressed(pulp, 2) - 12 * pits
+    level = np.minimum(16383, np.maximum(0, 225 * felt + 2**28 - _around(felt, (1,) * 15)) >> 15)
     _, which, count = np.unique(level, return_inverse=True, return_counts=True)
     rank = 2 * (np.cumsum(count) - count) + count
     return 0.6 + 0.4 * rank[which].reshape(512, 512) / 524288
 
 
-def _sample(texels, layers, params):
+def _sample(texels, layers, params, down=0):
     """Bilinear and wrapping, texel centres at ½, from the top left of the full frame."""
     pixels = params["paper_scale"] * params.pixels(layers.full_height)
     height, width = layers.depth.shape
-    v, u = np.meshgrid((layers.y + np.arange(height) + 0.5) / pixels - 0.5,
+    v, u = np.meshgrid((layers.y + down + np.arange(height) + 0.5) / pixels - 0.5,
                        (layers.x + np.arange(width) + 0.5) / pixels - 0.5, indexing="ij")
     row, column = np.floor(v).astype(int), np.floor(u).astype(int)
     t, s = v - row, u - column

@@ -8,18 +8,18 @@ import math
 
 import numpy as np
 
-FAMILIES = ("crack", "thin", "mark", "crease", "normal_band", "normal", "color_band", "color", "valley",
+FAMILIES = ("crack", "thin", "normal_band", "normal", "color_band", "color", "valley",
             "light_band", "light_step", "light", "seen_normal_band", "seen_normal", "seen_color_band", "seen_color",
             "seen_depth")  # older first
-CRACKS = {"crack", "mark", "crease", "light"}
+CRACKS = {"crack", "light"}
 ROW, COLUMN, JUNCTION = 0, 1, 2
 SITE = np.dtype([*((name, np.float32) for name in ("x", "y", "strength", "thin", "half", "inside", "crowd", "tapers")),
                  *((name, np.int32) for name in ("column", "row", "near_x", "near_y", "family", "axis", "source",
-                                                 "dropped", "crumb", "held", "weak", "told", "eased")),
+                                                 "dropped", "crumb", "held", "weak", "eased")),
                  ("step", np.int32, 3)])
 CLOSE = 1e-5  # pixels: lengths that differ by less may come out either way
 NUMBER = {name: k for k, name in enumerate(FAMILIES)}
-RANK = np.array([0, 0, 1, 1, 1, 1, 2, 2, 3, 4, 4, 4, 5, 5, 5, 5, 5])
+RANK = np.array([0, 0, 1, 1, 2, 2, 3, 4, 4, 4, 5, 5, 5, 5, 5])
 COLOR, FORM, LIGHT, SEEN = 2, 3, 4, 5
 BANDS = [k for k, name in enumerate(FAMILIES) if name.endswith("band")]
 
@@ -107,11 +107,10 @@ def close_sites(t, i):
 
 
 def weak(t, family):
-    """(which weak sites of colours, of normals, of stripes of light, what is seen, edges of meshes or contours hang
-    together with no other, which with one that is not weak, a step with a stripe of its layer within 3 pixels, or with
-    23 of a contour)."""
-    if FAMILIES[family] not in ("color_band", "color", "normal", "crease", "crack", "valley", "light_band",
-                                "seen_normal", "seen_color", "seen_depth"):
+    """(which weak sites of colours, of normals, of stripes of light, what is seen hang together with
+    no other, which with one that is not weak, or a step with a stripe of its layer within 3 pixels)."""
+    if FAMILIES[family] not in ("color_band", "color", "normal", "valley", "light_band", "seen_normal", "seen_color",
+                                "seen_depth"):
         return set(), set()
     own = {int(i) for i in np.flatnonzero((t.family == family) & ~t.dropped)}
     strong = {i for i in own if not t.site["weak"][i]}
@@ -123,22 +122,7 @@ def weak(t, family):
         new = set(close_sites(t, growing.pop())) - kept
         kept |= new
         growing += new
-    for i in own - kept if family == NUMBER["crack"] else ():
-        found, growing = {i}, [i]
-        while i not in kept and growing:
-            new = set(close_sites(t, growing.pop())) - found
-            found |= new
-            growing += new
-        kept |= found if len(found) >= 24 else set()
     return own - kept, kept - strong
-
-
-def through(t, layer):
-    """Sites of edges at which pieces of meshes pass through each other."""
-    site, axis = t.site, t.site["axis"].clip(0, COLUMN)
-    bend = np.abs(layer[site["row"], site["column"], 1 + 2 * axis]) % 360
-    place = layer[site["row"], site["column"], 2 * axis]
-    return set(np.flatnonzero((t.family == NUMBER["crease"]) & (t.axis <= COLUMN) & (place != 0) & (bend == 180)))
 
 
 def _hanging(t, i, most):
@@ -155,16 +139,8 @@ def crumbs(t, family):
     """Which sites are too few that hang together, to be a line."""
     few = FAMILIES[family].startswith(("seen", "valley")) or family in BANDS
     least = 9 if FAMILIES[family] == "seen_depth" else 4 if few else 3
-    own = np.flatnonzero((t.family == family) & ~t.dropped) if family > NUMBER["mark"] else []
+    own = np.flatnonzero((t.family == family) & ~t.dropped) if family > NUMBER["thin"] else []
     return {int(i) for i in own if _hanging(t, i, least) < least}
-
-
-def thinned(t):
-    """By site, which share of its width an edge of a mesh has where few hang together: all from five on."""
-    share = np.ones(len(t))
-    for i in np.flatnonzero((t.family == NUMBER["crease"]) & ~t.dropped):
-        share[i] = max(0, _hanging(t, i, 5) - 2) / 3
-    return share
 
 
 def passage(layers, row, column):
@@ -288,30 +264,6 @@ def told_by(t):
     for i in np.flatnonzero(t.family == NUMBER["thin"]):
         own[i] = next((at for _, at, _ in hits(t, i)), i)
     return own
-
-
-# Eyes: two ways of at most 3 pixels and 6 sites from one place where lines meet to the same other, the shorter kept
-
-
-def eyes(t):
-    """(which sites are on a way that goes, which may be). Ways along a thin thing are its sides, and stay."""
-    gone, unsure = set(), set()
-    for i in range(len(t)):
-        ways = [t.walk(i, j) for j in t.links[i]] if len(t.links[i]) > 2 else []
-        for a in range(len(ways)):
-            for b in range(a + 1, len(ways)):
-                pair = ways[a], ways[b]
-                stay = any(len(w) > 7 or gone & set(w[1:-1]) or (t.site["thin"][w[1:-1]] > 0).any()
-                           or len(t.links[w[-1]]) == 2 for w in pair)
-                if stay or ways[a][-1] != ways[b][-1] or ways[a][-1] == i:
-                    continue
-                length = [sum(t.apart(*p) for p in zip(w[:-1], w[1:], strict=True)) for w in pair]
-                if max(length) > 3 + CLOSE:
-                    continue
-                if max(length) > 3 - CLOSE or abs(length[0] - length[1]) < CLOSE:
-                    unsure |= {*ways[a][1:-1], *ways[b][1:-1]}
-                gone |= set(pair[0 if length[0] > length[1] else 1][1:-1])
-    return gone, unsure
 
 
 # Evenness: twice, half of what a site lies beside the line between its neighbours, if that is at most 0.3 pixels

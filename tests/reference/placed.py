@@ -4,7 +4,6 @@
 import numpy as np
 
 from . import forms, metric
-from . import marks as lines
 from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, JUNCTION, ROW, passage
@@ -17,29 +16,25 @@ from .view import SEEN, SURE, Place, along, level_of, levels_apart, turn
 
 
 def _jump(view, axis):
-    """(2, H, W - 1): what each side's straight continuation misses at the other, relative to the nearest, and to the
-    whole step from one to the other."""
+    """(H, W - 1): what each side's straight continuation misses at the other, relative to the nearest."""
     layers = view.layers
     z, there = turn(axis, layers.depth), turn(axis, layers.there)
     safe = np.where(there, z, 1)
     u = np.where(there, -safe / layers.height, -np.inf) if layers.orthographic else np.where(there, 1 / safe, 0)
-    found = np.zeros((2, u.shape[0], u.shape[1] - 1))
+    found = np.zeros((u.shape[0], u.shape[1] - 1))
     if u.shape[1] < 4:
         return found
     four = np.stack([u[:, k:u.shape[1] - 3 + k] for k in range(4)])
-    with np.errstate(invalid="ignore"):
-        step = np.nan_to_num(np.abs(four[2] - four[1]), nan=np.inf)
     if layers.orthographic:  # nothing there lies a frame's height behind the farthest
         behind = np.where(np.isfinite(four), four, np.inf).min(0) - 1
         four = np.maximum(four, np.where(np.isfinite(behind), behind, 0))
     a, p, q, b = four
     left, right = q - 2 * p + a, p - 2 * q + b
     jump = np.maximum(0, np.maximum(np.minimum(left, -right), np.minimum(-left, right)))
-    found[1, :, 1:-1] = np.where(step > 0, jump / np.where(step > 0, step, 1), 0)
     if not layers.orthographic:
         most = four.max(0)
         jump = np.where(most > 0, jump / np.where(most > 0, most, 1), 0)
-    found[0, :, 1:-1] = jump
+    found[:, 1:-1] = jump
     return found
 
 
@@ -89,67 +84,26 @@ def _contact(view, axis, place, mixed):
     return found
 
 
-def _beside(view, bends, axis):
-    """(H, W - 1): an edge that is a line passes on the way between both pixels, or on one to a neighbour of theirs;
-    whether that is unsure."""
-    sure, may = np.zeros((2, 2, *view.shape), bool)
-    for (_, row, column, way), site in bends.items():
-        unsure = site.doubtful or abs(site.margin) < SURE
-        may[way, row, column] = unsure or (site.margin >= 0 and not site.weak)
-        sure[way, row, column] = may[way, row, column] and not unsure
-    found = []
-    for passes in (sure, may):
-        own, across = (np.pad(turn(axis, passes[way]), 1) for way in (axis, 1 - axis))
-        ends = across[:-2, 1:-1] | across[1:-1, 1:-1]
-        found.append(own[1:-1, :-3] | own[1:-1, 1:-2] | own[1:-1, 2:-1] | ends[:, :-1] | ends[:, 1:])
-    return found[1], found[0] != found[1]
-
-
-def cracks(view, bends):
-    """{(family, row, column, axis): Place} of depth and indices, all that may be; bends: of edges of meshes."""
+def cracks(view):
+    """{(family, row, column, axis): Place} of depth and indices, all that may be."""
     layers, found = view.layers, {}
     for axis in (ROW, COLUMN):
-        height, share = _jump(view, axis)
+        height = _jump(view, axis)
         jump = clamp01((height - 0.003) / 0.007)
         cross = _contact(view, axis, *_crossing(layers, axis))
         there, object_, material = (turn(axis, a) for a in (layers.there, layers.object, layers.material))
-        marks = turn(axis, layers.marks[..., axis])
-        steps = lines.steps_of(marks)[:, :-1] * view.meshes
-        marks = np.where(marks < 0, -lines.place_of(marks), marks)
         beside = np.zeros(jump.shape, bool)  # a side's slope would be read off another object
         beside[:, 1:-1] = (object_[:, :-3] != object_[:, 1:-2]) | (object_[:, 2:-1] != object_[:, 3:])
-        same = object_[:, 1:] == object_[:, :-1]
-        ledge = 0 if view.meshes else clamp01((height - 0.013) / 0.007)
-        jump = np.where(beside & same & ((marks[:, :-1] >= 0) | (not view.meshes)), ledge, jump)
-        bend, unsure = _beside(view, bends, axis)
-        told = (jump > 0) & same & (there[:, 1:] == there[:, :-1]) & view.meshes & ("marks" in view.given)
-        bend, unsure = (a & (steps == 0) & told for a in (bend, unsure))
-        free = told & (marks[:, :-1] == 0)
-        edges = np.pad(turn(axis, layers.creases[..., 2 * axis])[:, :-1] > 0, ((0, 0), (1, 1)))
-        goes_on = free & (edges[:, :-2] | edges[:, 1:-1] | edges[:, 2:])
-        slope = free & ~goes_on
-        unsure = (unsure | (slope & (np.abs(share - 0.8) < 1e-4))) & ~goes_on & ~(slope & (share < 0.8 - 1e-4))
-        jump = np.where(bend | goes_on | (slope & (share < 0.8)), 0, jump)
+        ledge = beside & (object_[:, 1:] == object_[:, :-1])
+        jump = np.where(ledge, clamp01((height - 0.013) / 0.007), jump)
         gone = there[:, 1:] != there[:, :-1]
         strengths = {"object": gone | (object_[:, 1:] != object_[:, :-1]),
                      "material": material[:, 1:] != material[:, :-1], "depth": jump}
-        for i, k in np.argwhere(np.any([*strengths.values(), steps, unsure], axis=0)):
-            known = float(min(marks[i, k], 1))
-            t = -known if known < 0 else known if known > 0 and not (jump[i, k] > 0 or gone[i, k]) else cross[i, k]
+        for i, k in np.argwhere(np.any([*strengths.values()], axis=0)):
             row, column = (k, i) if axis else (i, k)
-            place = (column, row + t) if axis else (column + t, row)
+            place = (column, row + cross[i, k]) if axis else (column + cross[i, k], row)
             strong = {SOURCES.index(name): float(s[i, k]) for name, s in strengths.items()}
-            site = seen = view.weigh(place, "crack", column, row, axis, strong)
-            if steps[i, k]:
-                site = view.weigh(place, "crack", column, row, axis, {**strong, SOURCES.index("depth"): 1.0})
-                site.told = site.strength > seen.strength
-                site.weak = site.told and steps[i, k] < 3 and seen.strength < view.threshold
-                site.eased = 64.0 * (3 - steps[i, k]) * site.weak
-                site.doubtful |= abs(seen.margin) < 1e-4
-            if jump[i, k] > 0 and known > 0 and jump[i, k] < 1e-3:
-                site.doubtful = True  # whether there is a jump at all decides whose place counts
-            site.doubtful |= bool(unsure[i, k])
-            found["crack", row, column, axis] = site
+            found["crack", row, column, axis] = view.weigh(place, "crack", column, row, axis, strong)
     return found
 
 
@@ -181,18 +135,13 @@ def junctions(found, family, shape, layers=None):
                 strengths = sorted((s.strength for s in sides if s.source != first.source), reverse=True)
                 close = bool(strengths) and abs(first.strength - strengths[0]) < 1e-4
                 found[family, row, column, JUNCTION] = Place(
-                    x, y, first.strength, first.source, float(all(s.margin for s in sides)),
-                    all(s.weak for s in sides), all(s.told for s in sides),
-                    eased=first.eased, doubtful=close or (family == "crease" and any(s.doubtful for s in sides)))
+                    x, y, first.strength, first.source, float(all(s.margin for s in sides)), eased=first.eased,
+                    doubtful=close)
 
 
 def thin(view, found):
     """Places the cracks of thin things again, and finds what of them lies between pixel centres."""
-    layers = view.layers
-    known = [np.where(layers.marks < 0, -lines.place_of(layers.marks), layers.marks.clip(max=1))[..., axis]
-             for axis in (ROW, COLUMN)]
-    steps = [lines.steps_of(layers.marks[..., axis]) * view.meshes for axis in (ROW, COLUMN)]
-    things = Things(layers, crack_masks(view, found), known, steps, view.meshes)
+    things = Things(view.layers, crack_masks(view, found))
     for (_, row, column, axis), site in on(found).items():
         placed = things.place(axis, column, row, site.y - row if axis else site.x - column)
         if placed:
@@ -205,143 +154,6 @@ def thin(view, found):
                                                       SOURCES.index("depth"): float(bool(hits & 2))})
         site.thin, site.doubtful = (1.0, half, 0.0), unsure
         found["thin", y, x, axis] = site
-
-
-# Lines drawn by hand
-
-
-def marks(view):
-    found, (height, width) = {}, view.shape
-    if "marks" not in view.given:
-        return found
-    for row, column, axis in np.argwhere(view.layers.marks > 0):
-        if (row + 1 < height) if axis else (column + 1 < width):
-            t = min(1.0, view.layers.marks[row, column, axis])
-            place = (column, row + t) if axis else (column + t, row)
-            strength = {SOURCES.index("mark"): 1.0}
-            found["mark", row, column, axis] = view.weigh(place, "mark", column, row, axis, strength)
-    return found
-
-
-# Edges of meshes
-
-
-class _Lanes:
-    """Edges of meshes as they pass rows, or columns: [lane, way]."""
-
-    def __init__(self, place, bend, spread, axis, asked):
-        turn = (lambda a: a[..., axis].T) if axis else (lambda a: a[..., axis])
-        self.share, self.bend, self.spread = (turn(a) for a in (np.minimum(place, np.float32(0.998)), bend, spread))
-        self.asked = (lambda lane, way: asked(way, lane, 1)) if axis else (lambda lane, way: asked(lane, way, 0))
-        self.axis = axis
-
-    def near(self, lane, place, reach):
-        """[(way, place)] of what passes within reach."""
-        if not 0 <= lane < len(self.share):
-            return []
-        ways = range(max(0, int(place - reach) - 1), min(self.share.shape[1], int(place + reach) + 2))
-        found = [(way, way + float(self.share[lane, way])) for way in ways if self.share[lane, way] > 0]
-        return [(way, at) for way, at in found if abs(at - place) <= reach]
-
-    def follow(self, lane, place, bend, spread):
-        """Where the same line passes another lane, or None."""
-        best = None
-        for way, at in self.near(lane, place, 1.05):
-            like = min(self.bend[lane, way], bend) / max(self.bend[lane, way], bend)
-            far = abs(at - place) + 4 * (1 - like)
-            if self.spread[lane, way] == spread and like >= (0.8 if spread else 0.99) and (not best or far < best[0]):
-                best = far, way, at
-        return best and best[1:]
-
-    def slope(self, lane, way):
-        place = way + float(self.share[lane, way])
-        own = float(self.bend[lane, way]), self.spread[lane, way]
-        sides = [(side, self.follow(lane + side, place, *own)) for side in (-1, 1)]
-        steps = [side * (found[1] - place) for side, found in sides if found]
-        return sum(steps) / len(steps) if steps else None
-
-    def yields(self, lane, way, to_edges=False):
-        """To a parallel line less than 2 pixels away that bends more, or as much and lies right of it."""
-        slope, place = self.slope(lane, way), way + float(self.share[lane, way])
-        if slope is None:
-            return False
-        for other, at in self.near(lane, place, 2 * np.hypot(1, slope)):
-            if other == way or abs(at - place) < 0.25 or (to_edges and self.spread[lane, other]):
-                continue
-            its = self.slope(lane, other)
-            right = 1 if self.axis == ROW or slope + (its or 0) <= 0 else -1
-            more = (self.bend[lane, other], right * other) > (self.bend[lane, way], right * way)
-            if more and its is not None and abs(its - slope) <= 0.5 and self.asked(lane, other) >= 0:
-                return True
-        return False
-
-    def yields_along(self, lane, way):
-        """Where a bend over several faces is near, also if an edge yields to another one within 12 lanes."""
-        if self.yields(lane, way):
-            return True
-        own, place = (float(self.bend[lane, way]), self.spread[lane, way]), way + float(self.share[lane, way])
-        if own[1] or not any(self.spread[lane, other] for other, _ in self.near(lane, place, 3.5)):
-            return False
-        for side in (-1, 1):
-            at = place
-            for k in range(1, 13):
-                found = self.follow(lane + side * k, at, *own)
-                if found is None:
-                    break
-                if self.yields(lane + side * k, found[0], True):
-                    return True
-                at = found[1]
-        return False
-
-    def gives_way(self, lane, way, across):
-        if self.slope(lane, way) is not None:
-            return self.yields_along(lane, way)
-        lanes, own = across(), (float(self.bend[lane, way]), self.spread[lane, way])
-        found = [(way + side, lanes.follow(way + side, lane, *own)) for side in (0, 1)]
-        return any(at is not None and lanes.yields_along(other, at[0]) for other, at in found)
-
-
-def creases(view):
-    """{(family, row, column, axis): Place} of those that bend, by what is asked of them; and which of them are the
-    lesser of two parallel ones that can't be told apart."""
-    found, lesser, layer = {}, set(), view.layers.creases
-    if not view.meshes:
-        return found, lesser
-    place, bend = layer[..., [0, 2]], np.abs(layer[..., [1, 3]])
-    spread = bend > 360  # over several faces
-    bend = np.where(spread, bend - 360, bend)
-    place = np.minimum(place, 1.0)
-    place[:, -1, ROW] = place[-1, :, COLUMN] = 0  # ways out of the frame
-
-    def asked(row, column, axis):
-        """By how many degrees it bends more than it must."""
-        at = (column, row + place[row, column, axis]) if axis else (column + place[row, column, axis], row)
-        table = view.params.tables[view.layers.style[view.near(*at, column, row, "crease", axis)]]
-        return bend[row, column, axis] - table["crease_angle_smooth" if layer[row, column, 1 + 2 * axis] < 0
-                                               else "crease_angle"]
-
-    def yields_to(row, column, axis):
-        return _Lanes(place, bend, spread, axis, asked).gives_way(*((column, row) if axis else (row, column)),
-                                                                  lambda: _Lanes(place, bend, spread, 1 - axis, asked))
-
-    for row, column, axis in np.argwhere(place > 0):
-        if yields_to(row, column, axis):
-            lesser.add(("crease", row, column, axis))
-        t = place[row, column, axis]
-        at = (column, row + t) if axis else (column + t, row)
-        style = view.layers.style[view.near(*at, column, row, "crease", axis)]
-        smooth, several = layer[row, column, 1 + 2 * axis] < 0, spread[row, column, axis]
-        angle = view.params.tables[style]["crease_angle_smooth" if smooth else "crease_angle"]
-        more_ = bend[row, column, axis] - angle
-        least = more_ + angle / 6 if smooth and not several else more_  # beside what is a line by itself
-        site = view.weigh(at, "crease", column, row, axis, {SOURCES.index("normal"): 1.0}, style)
-        thinner, ease = (0.8, 20) if several else (0.6, 4)
-        site.eased = 255 * thinner * (1 - clamp01(more_ / ease))
-        site.weak = more_ < 0
-        site.doubtful |= abs(more_) < 1e-4
-        site.margin = min(site.margin, least if least >= 0 else -1.0)
-        found["crease", row, column, axis] = site
-    return found, lesser
 
 
 # Light: where it crosses a threshold between two pixels
@@ -435,19 +247,12 @@ def light(view, cracked):
 
 def find(view):
     """{(family, row, column, axis): Place} of everything that may be a site."""
-    bent, lesser = creases(view)
-    found = cracks(view, bent)
+    found = cracks(view)
     cracked = crack_masks(view, found)
     light_ = light(view, cracked) if view.weights[SOURCES.index("light")].any() else {}
     thin(view, found)
     junctions(found, "crack", view.shape, view.layers)
-    own = marks(view)
-    junctions(own, "mark", view.shape)
-    bent = {key: site for key, site in bent.items() if key not in lesser}
-    valleys = forms.valleys(view, found, bent)
-    bent = forms.beside(view, bent, valleys)
-    found |= valleys
-    junctions(bent, "crease", view.shape)
+    found |= forms.valleys(view, found)
     junctions(light_, "light", view.shape)
     mixed = cracked[ROW] | cracked[COLUMN]
     mixed[:, 1:] |= cracked[ROW][:, :-1]
@@ -455,6 +260,5 @@ def find(view):
     seen = unsure = None
     if {"seen_color", "seen_normal"} <= view.given and view.weights[SEEN].any():
         seen, unsure = through(view)
-    found |= own | bent | light_ | ridges(view, mixed, seen)
+    found |= light_ | ridges(view, mixed, seen)
     return found, {"through": seen, "through_unsure": unsure, "mixed": mixed}
-

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import grid
-from . import marks as lines
 from .edges import SOURCES
 from .metric import clamp01
 from .passes import COLUMN, ROW
@@ -159,18 +158,6 @@ def _share(value, first, second):
     return float(clamp01((value - second) @ (first - second) / square)) if square > 0 else 0.5
 
 
-def _joint(marks, row, column, axis, offset):
-    """Where a mesh tells that a joint passes the pixel within 3/4 of where its colours step; whether that is close."""
-    near = []
-    for k in (-1, 0):
-        at = (row + k, column) if axis else (row, column + k)
-        if min(at) >= 0 and marks[at][axis] < 0 and (place := min(float(lines.place_of(marks[at][axis])), 1)) > 0:
-            near.append((abs(place + k - offset), place + k))
-    near.sort()
-    unsure = any(abs(d - 0.75) < SURE for d, _ in near) or (len(near) > 1 and near[1][0] - near[0][0] < SURE)
-    return (near[0][1], unsure) if near and near[0][0] < 0.75 else (offset, unsure)
-
-
 def _put(row, column, axis, offset):
     offset = float(np.clip(offset, -1, 1))
     return (column, row + offset) if axis else (column + offset, row)
@@ -246,6 +233,7 @@ def band_site(view, layer, row, column, axis):
     place = _put(row, column, axis, (c[2] - c[0]) / area)
     doubtful = faint and min(abs(more(area, 2.05 * c[1])), abs(more(width, 2.05))) < SURE
     weak |= layer.name == "light" and width > 2.05
+    apart = 0.0
     if layer.name.endswith("normal"):
         strength = float(clamp01((area - layer.floor) / (0.37 * view.bend)))
     elif layer.name == "light":
@@ -259,9 +247,9 @@ def band_site(view, layer, row, column, axis):
         px = 1 / view.params.pixels(view.layers.full_height)
         gain = max(px, 0.667) if px < 1 else max(1, min(px, 2 * c[1] / area))
         strength = view.contrast(view.difference(base + gain * e, base))
+        apart = view.painted(base + gain * e, base)
     clear, unclear = clarity(layer, row, column, axis)
-    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
-                      weights=view.normal_weights(row, column) if layer.name == "normal" else None)
+    site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear}, apart=apart)
     if faint:
         weak |= _is_weak(view, site)
     site.weak = weak
@@ -320,9 +308,6 @@ def step_site(view, layer, row, column, axis):
         not np.allclose(linear[[1, 3]], linear[[0, 4]], atol=1e-6)
     share = sum(_share(linear[k], linear[low], linear[high]) for k in (1, 2, 3)) - 1.5
     offset = share - 0.06 * np.sin(2 * np.pi * share)
-    if layer.name == "color":
-        offset, unsure = _joint(view.layers.marks, row, column, axis, offset)
-        doubtful |= unsure
     place = _put(row, column, axis, offset)
     way = v[3] - v[1]
     if layer.name.endswith("normal"):  # what goes back lies past another edge
@@ -341,6 +326,7 @@ def step_site(view, layer, row, column, axis):
     margin = min(more(bend, 0.4 * step), more(bend, layer.floor) if layer.floor else 1.0)
     if margin < -SURE:
         return None
+    apart = 0.0
     if layer.name.endswith("normal"):
         strength = float(clamp01((bend - layer.floor) / (0.37 * view.bend)))
     elif layer.name == "seen_depth":
@@ -360,11 +346,11 @@ def step_site(view, layer, row, column, axis):
         strength = view.contrast(levels_apart(view, table["shade_levels"], v[low, 0], v[high, 0]))
     else:
         strength = view.contrast(view.difference(v[low], v[high]))
+        apart = view.painted(v[low], v[high])
     family = "light_step" if layer.name == "light" else layer.name
     clear, unclear = clarity(layer, row, column, axis)
     site = view.weigh(place, family, column, row, axis, {layer.source: strength * clear},
-                      style if layer.name == "light" else None,
-                      view.normal_weights(row, column) if layer.name == "normal" else None)
+                      style if layer.name == "light" else None, apart=apart)
     if layer.name in ("normal", "color") or layer.name.startswith("seen"):
         site.weak = _is_weak(view, site)
     site.step = tuple((127 * way / max(1.001 * step, 1e-30)).astype(int)) + (0,) * (3 - len(way))

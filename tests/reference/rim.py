@@ -5,6 +5,7 @@ import numpy as np
 
 from .metric import clamp01, mix
 
+STEP = 0.05  # how far behind a silhouette the next surface lies at least, of its distance
 BESIDE = ((0, 1), (1, 0), (0, -1), (-1, 0))  # rows, columns
 
 
@@ -21,10 +22,10 @@ class _Site:
 
         z, far = layers.depth[own], layers.depth[behind]
         span = layers.height if layers.orthographic else z
-        self.found = bool(params.at("use_rim", style) and np.isfinite(z) and far - z > value("depth") * span)
+        self.found = bool(params.at("use_rim", style) and np.isfinite(z) and far - z > STEP * span)
         if not self.found:
             return
-        slack = (2 * value("depth") + 0.05) * span
+        slack = (2 * STEP + 0.05) * span
         around = np.s_[max(y - 2, 0):y + 3, max(x - 2, 0):x + 3]
         same = (np.abs(layers.depth[around] - z) <= slack) & (layers.object[around] == layers.object[own])
         right, up, _ = layers.view @ layers.normal[around][same].sum(0)
@@ -42,9 +43,8 @@ class _Site:
         near = clamp01(3 * (light @ [right, up] / length - np.cos(spread)))
         side = 1.0 if value("spread") >= 180 else max(near * (2 - near), all_round)
         self.width = value("width") * params.pixels(layers.full_height) * away * side
-        first = min(own, behind)  # marks are kept by the upper and the left pixel
-        mark = layers.marks[(*first, 0 if step[1] else 1)]
-        place = np.clip(-mark - 2 * min(np.floor(-mark / 2), 7), 0, 1) if mark < 0 else 0.5
+        first = min(own, behind)  # contours are kept by the upper and the left pixel
+        place = layers.contours[(*first, 0 if step[1] else 1)] or 0.5
         place = place if first == own else 1 - place
         self.y, self.x = y + place * step[0], x + place * step[1]
         self.low, self.high = z - slack, z + min(slack, (far - z) / 2)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Strokes along the form and spots, one by one: places on a lattice, shifted, and ink drawn from there."""
+"""Strokes along the form, one by one: places on a lattice, shifted, and ink drawn from there; and whether a place is
+beside the seam of two charts."""
 
 import numpy as np
 
@@ -27,10 +28,10 @@ def share(h):
     return (h >> 8) / 2**24
 
 
-def area(cover, spots):
+def area(cover):
     """Of marks that cover so much: from a lattice, though shifted, they cover each other less than thrown at random."""
     y = -np.log(max(1 - cover, 1 / 1024))
-    return y / (1 + y * (0.395 - 0.027 * y if spots else 0.21))
+    return y / (1 + y * 0.21)
 
 
 def covers(dark):
@@ -40,9 +41,9 @@ def covers(dark):
     return [min(max(1 - min((1 - dark) * 2**k, 1), 0), 0.5) for k in range(3)]
 
 
-def shown(cover, spots):
+def shown(cover):
     """(up to which rank marks are drawn, their size)."""
-    x = area(cover, spots) / FULL
+    x = area(cover) / FULL
     rank = 1.25 * min(x, 1) ** 0.75
     mean = 2 * rank * rank if rank < 0.25 else rank - 0.125 - 2 * max(rank - 1, 0) ** 2
     return rank, x / mean if mean > 0 else 0
@@ -80,22 +81,60 @@ def turns(layers, anchor):
     return {k: (turned * seen[:, 2:, None])[objects == k].sum(0) for k in np.unique(objects)}
 
 
-class Drawing:
-    """What a tone's marks are drawn on. charts: (axis of the rest normal that tells it, two fields of value, right and
-    down) on which their places lie, unturned; of spots two."""
+class Seams:
+    """Where the axis along which the rest normal is longest is about to be another."""
 
-    def __init__(self, layers, kind, bounds, angle, anchor, charts, dark, lattice, crisp=False,
+    def __init__(self, anchor):
+        self.anchor = anchor
+
+    def normal(self, x, y):
+        height, width = self.anchor.shape[:2]
+        return self.anchor[min(max(y, 0), height - 1), min(max(x, 0), width - 1), 3:6]
+
+    def near(self, x, y):
+        _, second, first = np.sort(np.abs(self.normal(x, y)))
+        return first - second <= MOST_AHEAD
+
+    def turns(self, x, y):
+        """Along the row and the column each, on the side where the normal turns less: (by how much, by how much its
+        parts grow to the next pixel)."""
+        here = self.normal(x, y)
+        sides = [[(side, self.normal(x + side * (1 - axis), y + side * axis)) for side in (-1, 1)] for axis in (0, 1)]
+        found = [[(np.abs(there - here).max(), side * (np.abs(there) - np.abs(here))) for side, there in beside]
+                 for beside in sides]
+        return [min((1, np.zeros(3)), *beside, key=lambda turn: turn[0]) for beside in found]
+
+    def grown(self, x, y):
+        """The area that strokes have, by pixels."""
+        if not self.near(x, y):
+            return 1
+        _, second, first = np.sort(np.abs(self.normal(x, y)))
+        away = (first - second) / max(2 * sum(turn for turn, _ in self.turns(x, y)), 1e-6)
+        return clamp01(away) * (1 + clamp01((3 - away) / 2) / 3)
+
+    def before(self, first, axis, x, y, way):
+        """Whether a spot's place so far from a pixel lies where the normal is longest along an axis. first: of the
+        two that may be."""
+        part = np.abs(self.normal(x, y)) + sum(to * grows for to, (_, grows) in zip(way, self.turns(x, y), strict=True))
+        lead = part[axis] - np.delete(part, axis).max()
+        return lead > 0 or (lead == 0 and first)
+
+
+class Drawing:
+    """What a tone's strokes are drawn on. chart: (axis of the rest normal that tells it, two fields of value, right and
+    down) on which their places lie, unturned."""
+
+    def __init__(self, layers, bounds, angle, anchor, chart, dark, lattice, crisp=False,
                  light=None, by_uv=False, flat=False):
-        self.layers, self.spots, self.angle, self.anchor, self.dark = layers, kind == "STIPPLE", angle, anchor, dark
+        self.layers, self.angle, self.anchor, self.dark = layers, angle, anchor, dark
         self.light, self.by_uv = light, by_uv  # the direction toward it, if strokes go there; whether along U
         self.rolled = {} if light is None or anchor is None or flat else turns(layers, anchor)
         self.bounds = bounds  # pixels between which marks are a unit apart
-        self.charts, self.lattice, self.crisp = charts, lattice, crisp
+        self.chart, self.lattice, self.crisp = chart, lattice, crisp
         self.ink = np.zeros(dark.shape)
         self.byte = np.floor(255 * clamp01(dark) + 0.5).astype(int)
-        tables = [shown(covers(k / 255)[layer], False) for k in range(256) for layer in range(3)]
-        spots = [shown(k / 255, True) for k in range(256)]
-        self.tables = np.array(spots).reshape(256, 1, 2) if self.spots else np.array(tables).reshape(256, 3, 2)
+        tables = [shown(covers(k / 255)[layer]) for k in range(256) for layer in range(3)]
+        self.tables = np.array(tables).reshape(256, 3, 2)
 
     def one_surface(self, x0, y0, x1, y1):
         """Whether the surface goes on from a pixel to its neighbour."""
@@ -115,14 +154,14 @@ class Drawing:
         return row and all(self.ends(x1, y)[1] for y in range(min(y0, y1), max(y0, y1)))
 
     def ends(self, x, y):
-        if not self.byte[y, x] or self.spots:  # nobody has looked
+        if not self.byte[y, x]:  # nobody has looked
             return True, True
         return self.one_surface(x, y, x + 1, y), self.one_surface(x, y, x, y + 1)
 
     def way(self, layer, x, y):
         """Direction of a stroke on the screen, kept as one of 256 places on half of the square |x| + |y| = 1."""
         right, down = self.exact_way(layer, x, y)
-        along = (right if down >= 0 else -right) / (abs(right) + abs(down))
+        along = (right if down >= 0 else -right) / (abs(right) + abs(down)) if abs(right) + abs(down) > 1e-30 else 1.0
         along = 1 - int(128.5 - 128 * along) % 256 / 128
         return np.array((along, 1 - abs(along))) / np.hypot(along, 1 - abs(along))
 
@@ -131,7 +170,10 @@ class Drawing:
         if self.light is not None and self.byte[y, x]:
             view = self.layers.view
             light, normal = view @ self.light, view @ self.layers.normal[y, x]
-            along = light - (light @ normal) * normal
+            far = np.hypot(light[0], light[1])
+            across = np.array((light[1], -light[0], 0)) / far if far > 1e-3 else np.array((1.0, 0, 0))
+            along = np.cross(across, normal)  # cuts by planes that hold the light and the eye
+            along = along if along @ along > 1e-12 else light
             turned = self.rolled.get(self.layers.object[y, x])
             if turned is not None and self.anchor[y, x, 6] > 0:
                 return self.held(self.anchor[y, x].astype(float), turned.T @ light, along, turn)
@@ -163,7 +205,7 @@ class Drawing:
         along = unit(along[0] * right - along[1] * down)
         side = np.cross(a[3:6], along)
         on, off = light @ along, light @ side
-        slip = on * off / max(on * on + off * off, 1e-30)
+        slip = on * off / max(light @ light, 1e-30)
         on = np.cos(turn) * (along + slip * side) + np.sin(turn) * (side - slip * along)
         return np.linalg.lstsq(np.stack([right, down], 1), on, rcond=None)[0]
 
@@ -171,8 +213,6 @@ class Drawing:
         """size: of the pitch, in pixels."""
         last, large = self.tables[self.byte[y, x], layer]
         drawn = clamp01((last - rank) * 4) * large
-        if self.spots:
-            return size * np.sqrt(drawn * FULL / np.pi)
         return 0.75 * FULL / LENGTH * size * drawn
 
     def between(self, p, q, x, y):
@@ -185,13 +225,9 @@ class Drawing:
         t = np.clip(at, 0, 1)
         distance = np.hypot(columns - p[0] - t * way[0], rows - p[1] - t * way[1])
         half = mix(p[2], q[2], t)
-        if self.spots:
-            true = np.where(half > 0.57735, np.sqrt(np.maximum(half**2 - 1 / 12, 0)), np.cbrt(3 * half**2) - 0.5)
-            cover = clamp01(true + 0.5 - distance)
-        else:
-            cover = np.where((at >= 0) & (at < 1), np.minimum(clamp01(half + 0.5 - distance), 2 * half), 0)
+        cover = np.where((at >= 0) & (at < 1), np.minimum(clamp01(half + 0.5 - distance), 2 * half), 0)
         if self.crisp:
-            cover = (half >= distance) & (self.spots | ((at >= 0) & (at < 1)))
+            cover = (half >= distance) & (at >= 0) & (at < 1)
         cover = np.where(self.layers.object == self.layers.object[y, x], cover, 0)
         self.ink = 1 - (1 - self.ink) * (1 - cover)
 
@@ -249,48 +285,14 @@ class Drawing:
         h = stir(stir(h, odds[0]), odds[1])
         return h, int(256 * (way @ way) + 0.5), lambda: self.put(layer, x, y, h, rank, weight, way, fields)
 
-    def normal(self, x, y):
-        height, width = self.dark.shape
-        return self.anchor[min(max(y, 0), height - 1), min(max(x, 0), width - 1), 3:6]
-
-    def turns(self, x, y):
-        """Along the row and the column each, on the side where the normal turns less: (by how much, by how much its
-        parts grow to the next pixel)."""
-        here = self.normal(x, y)
-        sides = [[(side, self.normal(x + side * (1 - axis), y + side * axis)) for side in (-1, 1)] for axis in (0, 1)]
-        found = [[(np.abs(there - here).max(), side * (np.abs(there) - np.abs(here))) for side, there in beside]
-                 for beside in sides]
-        return [min((1, np.zeros(3)), *beside, key=lambda turn: turn[0]) for beside in found]
-
-    def beside_seam(self, x, y):
-        """The area that strokes have where another axis than the normal's largest is about to be that, by pixels."""
-        _, second, first = np.sort(np.abs(self.normal(x, y)))
-        if first - second > MOST_AHEAD:
-            return 1
-        away = (first - second) / max(2 * sum(turn for turn, _ in self.turns(x, y)), 1e-6)
-        return clamp01(away) * (1 + clamp01((3 - away) / 2) / 3)
-
-    def before_seam(self, k, axis, x, y, way):
-        """Whether a spot's place on the k-th lattice lies where the normal is longest along that one's axis."""
-        if self.anchor is None:
-            return True
-        parts = np.sort(np.abs(self.normal(x, y)))
-        if parts[2] - parts[1] > MOST_AHEAD:
-            return k == 0
-        part = np.abs(self.normal(x, y)) + sum(to * grows for to, (_, grows) in zip(way, self.turns(x, y), strict=True))
-        lead = part[axis] - np.delete(part, axis).max()
-        return lead > 0 or (lead == 0 and k == 0)
-
     def put(self, layer, x, y, h, rank, weight, way, fields):
-        weight *= 1 if self.anchor is None or self.spots else self.beside_seam(x, y)
-        along = None if self.spots else self.way(layer, x, y)
+        weight *= 1 if self.anchor is None else Seams(self.anchor).grown(x, y)
+        along = self.way(layer, x, y)
         for k in range(2):
             h = stir(h, 1)
             step, row = fields["step"][k], fields["step"][1 - k]
-            shift = JITTER
-            if not self.spots:
-                off = abs(along[0] * row[1] - along[1] * row[0]) / max(np.linalg.norm(row), 1e-6)
-                shift = mix(JITTER, 1, clamp01(2 - off / ROWS))
+            off = abs(along[0] * row[1] - along[1] * row[0]) / max(np.linalg.norm(row), 1e-6)
+            shift = mix(JITTER, 1, clamp01(2 - off / ROWS))
             way = way + (share(h) - 0.5) * shift * fields["pitch"][k] / max(np.linalg.norm(step), 1e-6) * step
         h = stir(h, 2)
         turn = (share(h) - 0.5) * STRAY
@@ -302,10 +304,6 @@ class Drawing:
         if not self.gets_to(x, y, px, py):
             return
         half = self.half(layer, rank, size, px, py)
-        if self.spots:
-            if half > 0:
-                self.between([*place, half], [*place, half], px, py)
-            return
         reach = 0.5 * LENGTH * min(size * (0.7 + 0.6 * share(h)), 1.3 * pitch)
         step = max(4, reach / STEPS)
         forth, back = (self.trace(layer, rank, size, reach, turn, sign, step, place, px, py) for sign in (1, -1))
@@ -320,25 +318,23 @@ class Drawing:
 
     def draw(self, own):
         """own: pixels that hold the places of marks."""
-        places = [(0, k, axis, chart) for k, (axis, chart) in enumerate(self.charts)]
-        places = places if self.spots else [(layer, 0, *self.charts[0]) for layer in range(3)]
-        lattices = [self.lattice([(u + BESIDE[layer], *g) for u, *g in chart], *self.bounds)
-                    for layer, _, _, chart in places]
+        axes_, chart = self.chart
+        lattices = [self.lattice([(u + BESIDE[layer], *g) for u, *g in chart], *self.bounds) for layer in range(3)]
         held = {}
         for y, x in zip(*np.nonzero(own & (self.byte > 0)), strict=True):
-            for (layer, k, axes_, _), (at, scale, grown, step, flat, pitch) in zip(places, lattices, strict=True):
+            for layer, (at, scale, grown, step, flat, pitch) in enumerate(lattices):
                 if flat[y, x] or self.tables[min(self.byte[y, x] + DARKER, 255), layer, 0] <= 0:
                     continue
                 axis = 0 if axes_ is None else axes_[y, x]
                 steps = [s[:, y, x] for s in step]
                 whole = [np.floor(2 * u[y, x] + 0.5) for u in at]
                 way = sum(0.5 * (n - 2 * u[y, x]) * s for n, u, s in zip(whole, at, steps, strict=True))
-                if (np.abs(way) <= HELD).all() and (not self.spots or self.before_seam(k, axis, x, y, way)):
-                    held[y, x, layer, k] = self.mark(layer, int(axis), x, y, whole, way, {
+                if (np.abs(way) <= HELD).all():
+                    held[y, x, layer] = self.mark(layer, int(axis), x, y, whole, way, {
                         "scale": [s[y, x] for s in scale], "step": steps, "grown": [g[y, x] for g in grown],
                         "pitch": [p[y, x] for p in pitch]})
-        for (y, x, layer, _), (name, far, draw) in held.items():
-            beside = [(y + v, x + u, layer, k) for v in (-1, 0, 1) for u in (-1, 0, 1) for k in (0, 1)]
+        for (y, x, layer), (name, far, draw) in held.items():
+            beside = [(y + v, x + u, layer) for v in (-1, 0, 1) for u in (-1, 0, 1)]
             if min((held[at][1], at[:2]) for at in beside if held.get(at, (None,))[0] == name) == (far, (y, x)):
                 draw()
         return self.ink

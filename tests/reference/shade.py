@@ -31,25 +31,50 @@ def levels(layers, params):
     level, color, doubtful = np.zeros_like(x), np.zeros((*x.shape, 3)), np.zeros(x.shape, bool)
     for k, steps in params.levels():
         own = layers.style == k
-        level[own], color[own], doubtful[own] = _ramp(x[own], steps)
+        light = metered(layers, value(layers.diffuse)) * params.at("shade_exposure", np.full(x.shape, k)) + painted(
+            layers)
+        found = _ramp(light, steepness(np.minimum(light, 1e6)), steps)
+        level[own], color[own], doubtful[own] = (out[own] for out in found)
     return level, color, doubtful
 
 
-def _ramp(x, steps):
+def steepness(light):
+    """How much it differs from a pixel to the next; the less of both sides."""
+    def along(axis):
+        n = light.shape[axis]
+        before, after = (np.take(light, np.abs(np.arange(n) - 1).clip(0, n - 1), axis),
+                         np.take(light, np.where(np.arange(n) < n - 1, np.arange(n) + 1, max(n - 2, 0)), axis))
+        return np.minimum(np.abs(light - before), np.abs(after - light))
+
+    return np.hypot(along(0), along(1))
+
+
+def passed(light, threshold, transition, steep):
+    """How far light has come from the level below a threshold to the one above. In one step its edge goes over a
+    pixel."""
+    if transition > 1e-30:
+        return clamp01((light - threshold) / transition + 0.5)
+    edge = clamp01((light - threshold) / np.maximum(steep, 1e-30) + 0.5)
+    return np.where(steep > 1e-4, edge, light > threshold)
+
+
+def _ramp(x, steep, steps):
     """The levels' intensity and colour at x: straight from one to the next over each transition."""
     level = np.full(x.shape, float(steps[0][0]))
     color = np.broadcast_to(np.array(steps[0][1:] or (1.0, 1.0, 1.0)), (*x.shape, 3))
     doubtful = np.zeros(x.shape, bool)
     for intensity, threshold, transition, *rgb in steps[1:]:
-        if transition > 0:
-            t = clamp01((x - (threshold - transition / 2)) / transition)
-        else:
-            t = (x > threshold).astype(float)
+        t = passed(x, threshold, transition, steep)
         if transition < 1e-3:
-            doubtful |= np.abs(x - threshold) < transition / 2 + 1e-4
+            doubtful |= np.abs(x - threshold) < np.maximum(transition / 2 + 1e-4, np.where(steep < 1e-3, steep, 0))
         level = mix(level, intensity, t)
         color = mix(color, np.array(rgb or (1.0, 1.0, 1.0)), t[..., None])
     return level, color, doubtful
+
+
+def shade_of(level, layers, params):
+    """How far it is shade: below 0 it is brighter than full light, where that counts."""
+    return np.maximum(np.where(params.at("shade_beyond", layers.style), -0.5, 0.0), 1 - level)
 
 
 def light(layers, params):
@@ -58,7 +83,7 @@ def light(layers, params):
     v = value(layers.diffuse)[..., None]
     hue = np.where(v > 0, mix(1.0, layers.diffuse / np.where(v > 0, v, 1.0), clamp01(v / 0.02)), 1.0)
     hue = mix(1.0, hue, params.at("light_hue", layers.style)[..., None])
-    shade = np.maximum(0.0, 1 - level) * params.at("shade_tint_weight", layers.style)
+    shade = np.maximum(-0.5, shade_of(level, layers, params) * params.at("shade_tint_weight", layers.style))
     tint = params.at("shade_tint", layers.style)
     tinted = (hue * (level[..., None] * color) + shade[..., None] * tint) / (1 + shade[..., None])
     return tinted, level, doubtful
@@ -77,14 +102,13 @@ def weighted(layers, params):
     lamps = layers.highlights
     gloss = np.maximum(layers.specular, lamps)
     rest = whole - background - gloss
-    threshold, transition, shape = (params.at("highlight_" + name, layers.style)
-                                    for name in ("threshold", "transition", "shape"))
+    threshold, shape = (params.at("highlight_" + name, layers.style) for name in ("threshold", "shape"))
     bright = value(lamps)
-    wide = np.where(transition > 1e-30, transition, 1.0)
-    share = np.where(transition > 1e-30, clamp01((bright - threshold) / wide + 0.5), bright > threshold)
-    doubtful = (shape > 0) & (transition < 1e-3) & (np.abs(bright - threshold) < transition / 2 + 1e-4)
+    share = clamp01((bright - threshold) / 0.05 + 0.5)
     given = layers.gives_highlights * shape[..., None]
-    shown = mix(lamps, params.at("highlight_color", layers.style) * share[..., None], given)
+    metal, full = clamp01(8 * (value(layers.gloss) - 0.06)), value(layers.gloss)
+    tint = mix(1.0, layers.gloss / np.where(full > 0, full, 1)[..., None], metal[..., None])
+    shown = mix(lamps, params.at("highlight_color", layers.style) * tint * share[..., None], given)
 
     def weight(name):
         return params.at(name, layers.style)[..., None]
@@ -105,7 +129,7 @@ def weighted(layers, params):
              + weight("other_reflections") * (gloss - lamps) + weight("other_glow") * rest)
     kept = 0.0 if layers.background is None else world
     flat, near = mirrored(parts - kept)
-    return flat + kept, doubtful | near
+    return flat + kept, near
 
 
 def surface(layers, params):
@@ -113,7 +137,7 @@ def surface(layers, params):
     tinted, level, doubtful = light(layers, params)
     alpha = layers.combined[..., 3:]
     saturation = clamp01(params.at("shade_saturation", layers.style))
-    grey = np.maximum(0.0, 1 - level) * (1 - saturation)
+    grey = shade_of(level, layers, params) * (1 - saturation)
     v = value(layers.color)[..., None]
     pale = v - (v - layers.color) * (1 - grey[..., None])
     strength = params.at("shade_strength", layers.style)[..., None]

@@ -112,11 +112,13 @@ class Picture:
 
     def plain(self, lit, s):
         """Light without shadows of a lamp of colour 1 at places."""
-        falls = (s.triangle == STRAY) | ((s.triangle >= 0) & self.world.lit_by(lit.lamp.light_set)[s.triangle])
         points = asked(PLAIN) if lit.soft else one()
         plain = sum(lit(s.at, s.normal, points[k:k + 1])[0] for k in range(len(points.square)))
         plain = lit.mean(s.at, s.normal, plain / len(points.square))
-        return np.where(falls & (s.triangle != NOTHING), plain, 0)
+        return np.where(self.falls(lit, s), plain, 0)
+
+    def falls(self, lit, s):
+        return (s.triangle == STRAY) | ((s.triangle >= 0) & self.world.lit_by(lit.lamp.light_set)[s.triangle])
 
     def comes(self, lit, s):
         """What comes of the light of a lamp of colour 1 to places s of the pixels, with the shares of their centres."""
@@ -236,7 +238,8 @@ class Picture:
         if not lit.lamp.shadows:
             return plain, share
         if lit.soft:
-            return plain, self.soft(lit, bright, dark, share)
+            own = np.maximum(plain * max(lit.lamp.color), 1e-30)
+            return plain, self.soft(lit, bright, dark, share, own / (own + self.before))
         cut = self.cuts(lit, bright & ~dark, dark & ~bright)
         edge = self.edges(cut)
         away = np.minimum(abs(edge.far), 1) / 2
@@ -278,13 +281,14 @@ class Picture:
         j, within = self.moved(u, v)
         return within & there[j] & self.shown.one_surface(i, j)
 
-    def soft(self, lit, bright, dark, share):
-        """The share that comes of a lamp with a size."""
+    def soft(self, lit, bright, dark, share, part):
+        """The share that comes of a lamp with a size; part: the lamp's, of its light and of all before it."""
         there, mixed = bright | dark, bright & dark
         full = mixed.copy()
         for _, _, j, within in self.neighbours(4):
             other = (bright[j] & ~bright) | (dark[j] & ~dark)
             full |= there & within & other & self.shown.one_surface(self.number, j)
+        few, full = full & (part < 0.02), full & (part >= 0.02)
         pixels = np.flatnonzero(full)
         first, kind = self.first(lit, pixels)
         core = self.ask(lit, self.shown[pixels], one())
@@ -295,11 +299,11 @@ class Picture:
         said = np.where(full, first, np.nan), kind
         ramp, exact, thin = self.narrow(edge, width, full, bright, dark, said)
         fine = np.where(full, exact * ramp, share)
-        exact = np.where(full, exact, np.nan)
+        exact = np.where(full, exact, np.where(few, 0, np.nan))
         some, same, line = self.told(full, first, kind, thin, exact)
         left = full & (exact < 1)
         rest = np.flatnonzero(left & ~same & ~line)
-        some[rest] = self.rest(lit, rest, there)
+        some[rest] = self.rest(lit, rest, there, np.where(part[rest] < 0.125, POINTS // 4, POINTS))
         fine[left] += ((1 - exact) * some)[left]
         exact[left & ~same & line] = 2
         fine = self.dealt_mean(fine, exact, there)
@@ -349,8 +353,8 @@ class Picture:
         same = ~(near[0] & near[1])
         return np.where(same, first > 0, first), same, line
 
-    def rest(self, lit, i, there):
-        """The share that comes of all points of pixels."""
+    def rest(self, lit, i, there, counts):
+        """The share that comes of so many points of pixels."""
         points, x, y = self.dealt(i), self.x[i], self.y[i]
         columns = [self.goes_on(i, x + k, y, there) for k in (-1, 1)]
         rows = [self.goes_on(i, x, y + k, there) for k in (-1, 1)]
@@ -367,7 +371,7 @@ class Picture:
             s = s.where(inside, own).where(moved & (inside | inside_own), self.shown[i])
             return np.array(self.ask(lit, s, q))
 
-        all_, seen = sum(share(q) for q in points)
+        all_, seen = sum(share(q) * (k < counts) for k, q in enumerate(points))
         none = all_ == 0
         for k in range(PLAIN):
             value, comes = self.ask(lit, self.shown[i], asked(PLAIN)[k:k + 1])
@@ -519,6 +523,7 @@ class Picture:
         if world is not None:
             total[there] = np.maximum(polynomials(by.normal[there]) @ world, 0)
         for lamp in lamps:
+            self.before = total.max(1)
             total += self.comes(Lit(lamp), by)[:, None] * np.array(lamp.color, float)
         # Beside a thing what shows nothing takes the mean of what is nearest.
         nearest, sums, count = np.full(len(self.x), 9), np.zeros_like(total), np.zeros(len(self.x))

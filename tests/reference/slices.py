@@ -31,9 +31,7 @@ class Slice:
     high: float = np.inf
     stands: np.ndarray = field(default_factory=lambda: np.zeros(6))
     hits: int = 0
-    width: float = 0.0
     trust: float = 0.0
-    told: bool = False  # by the mesh alone
 
 
 @dataclass
@@ -42,7 +40,6 @@ class Thing:
     slices: list
     steps: int
     ends: list
-    held: int = 0  # ends at which something lies before it
     unsure: bool = False  # rounding decides which pixel a middle lies in
 
     @property
@@ -51,12 +48,9 @@ class Thing:
 
     @property
     def half(self):
-        """Half the width along the axis: by contours, else by the areas, within what pixel centres allow."""
-        if widths := [s.width for s in self.slices if s.width > 0]:
-            return sum(widths) / len(widths) / 2
+        """Half the width along the axis: by the areas, within what pixel centres allow."""
         low, high = max(s.low for s in self.slices), min(s.high for s in self.slices)
-        seen = [s for s in self.slices if not s.told]
-        half = 0.5 * sum(s.area for s in seen) / (len(seen) * max(s.peak for s in seen)) if seen else 0
+        half = 0.5 * sum(s.area for s in self.slices) / (len(self.slices) * max(s.peak for s in self.slices))
         return (low + high) / 2 if low > high else min(max(half, low), high)
 
     @property
@@ -67,11 +61,10 @@ class Thing:
 
 
 class Things:
-    """Slices of one picture; cracks: (2, H, W), to the right and down; known, steps: likewise, of contours; meshes:
-    whether the layer of creases is asked."""
+    """Slices of one picture; cracks: (2, H, W), to the right and down."""
 
-    def __init__(self, layers, cracks, known, steps, meshes):
-        self.layers, self.cracks, self.known, self.steps, self.meshes = layers, cracks, known, steps, meshes
+    def __init__(self, layers, cracks):
+        self.layers, self.cracks = layers, cracks
         self.value = np.concatenate([clamp01(layers.albedo), layers.normal / 2], -1)
         z = layers.depth
         self.near = -np.minimum(z, 1e9) if layers.orthographic else 1 / z
@@ -134,81 +127,32 @@ class Things:
             last += 1
         if last - first >= 4 or first == 0 or last + 1 == size:
             return None
-        before, after = (max(0, -self._line(self.known[axis], axis, across)[k]) for k in (first - 1, last))
-        told = before > 0 and after > 0
         s = self.between(axis, across, first - 2, last - first + 5)
-        if s is None or s.hits != last - first + 1:
-            s = self.raised(axis, across, first, last) if told else None
-        if s is None:
-            return None
-        if told:  # the layer of marks says where its contours are
-            s.width = last - first + 1 + after - before
-            s.middle = first - 1 + before + s.width / 2
-        return s
-
-    def raised(self, axis, across, first, last):
-        """The slice of what lies before one ground by however little, as a mesh tells both of its contours."""
-        object_, near, steps = (self._line(a, axis, across) for a in (self.layers.object, self.near, self.steps[axis]))
-        ground, own = object_[[first - 1, last + 1]], object_[[first, last]]
-        if (ground != ground[0]).any() or (own != own[0]).any() or own[0] == ground[0]:
-            return None
-        before = near[first] + near[last] > near[first - 1] + near[last + 1]
-        if not (before and steps[first - 1] > 0 and steps[last] > 0):
-            return None
-        return Slice(first, ground[0], hits=last - first + 1, trust=1.0, told=True)
-
-    def told(self, axis, across, at):
-        """What passes between the centres about a pixel and covers none, as the layer of marks says."""
-        if not 0 <= across < (self.shape[1] if axis else self.shape[0]):
-            return None
-        places = self._line(self.layers.between[..., axis], axis, across)
-        for first in (at, at - 1, at + 1, at - 2):
-            if 0 <= first < len(places) - 1 and not np.isnan(place := places[first]):
-                ground = self._line(self.layers.object, axis, across)[first]
-                return Slice(first, ground, middle=first + place, high=min(place, 1 - place), trust=1.0, told=True)
-        return None
+        return s if s is not None and s.hits == last - first + 1 else None
 
     def about(self, axis, across, at):
         """The slice about a pixel, as narrow as it can be."""
-        if (s := self.over(axis, across, at)) is not None or (s := self.told(axis, across, at)) is not None:
+        if (s := self.over(axis, across, at)) is not None:
             return s
         s = self.between(axis, across, at - 2, 5)
-        if s is not None and s.area <= 2.05 * s.peak:
-            return s
-        s, moved = self.between(axis, across, at - 3, 7), (at - 1, at + 1) if self.layers.marked else ()
-        return next((s for s in (s, *(self.over(axis, across, to) for to in moved)) if s is not None), None)
-
-    def covered(self, axis, across, at, ground):
-        """Whether something else than the ground is at a pixel."""
-        size, other = self.shape if axis else self.shape[::-1]
-        return bool(0 <= at < size and 0 <= across < other
-                    and self._line(self.layers.object, axis, across)[at] != ground)
+        return s if s is not None and s.area <= 2.05 * s.peak else self.between(axis, across, at - 3, 7)
 
     def along(self, axis, across, own):
         """The slices on both sides that are of the same thing: six if it covers a pixel's centre, else up to sixteen
         to find one that it covers."""
         thing = Thing([own], 0, [own.middle, own.middle])
         for end, way in enumerate((-1, 1)):
-            middle, before, k = own.middle, 0, 0  # pixels of what lies before it, up to here
+            middle, k = own.middle, 0
             while (k := k + 1) <= (6 if thing.hits else 16):
                 thing.unsure |= halfway(middle)
                 to, at = across + way * k, int(np.floor(middle + 0.5))
                 s = self.about(axis, to, at)
-                if s is None:
-                    covered = own.told and self.covered(axis, to, at, own.ground)
-                    before += covered
-                    if not covered or before > 4:
-                        break
-                    continue
-                if abs(s.middle - middle) > 1.5 * (1 + before) or abs(s.hits - own.hits) > 1:
-                    break
-                if not (s.told or own.told) and (not s.stands @ own.stands > 0.5 * s.area * own.area or
-                                                 s.ground != own.ground):
+                if s is None or abs(s.middle - middle) > 1.5 or abs(s.hits - own.hits) > 1 or (
+                        not s.stands @ own.stands > 0.5 * s.area * own.area or s.ground != own.ground):
                     break
                 thing.slices.append(s)
-                thing.steps += 1 + before
-                middle, before = s.middle, 0
-            thing.held += before > 0
+                thing.steps += 1
+                middle = s.middle
             thing.ends[end] = middle
         return thing
 
@@ -224,8 +168,6 @@ class Things:
             s = self.over(0, y, x) or self.over(1, x, y)
             if s is not None:
                 found[y, x // 16] |= 2 if s.ground == self.layers.object[y, x] else 1
-        for y, x in np.argwhere((~np.isnan(self.layers.between)).any(-1)):
-            found[y, x // 16] |= 2
         return found
 
     def place(self, axis, x, y, was):
@@ -239,10 +181,9 @@ class Things:
         if own is None:
             return None
         thing = self.along(axis, across, own)
-        half = own.width / 2 if own.width > 0 else thing.half
+        half = thing.half
         thin = min(own.trust, ramp(-2 * half * thing.square, -3.9, -3.3), ramp(thing.steps, 1, 3))
-        told = self.known[axis][y, x] < 0
-        share = was if told else mix(was, clamp01(own.middle + (-half if ahead else half) - at), thin)
+        share = mix(was, clamp01(own.middle + (-half if ahead else half) - at), thin)
         return share, thin, half * thing.square, own.middle - at - share, thing.unsure
 
     def _lies(self, axis, x, y):
@@ -251,12 +192,6 @@ class Things:
         s = self.about(axis, x if axis else y, at)
         inside = s is not None and s.hits == 0 and abs(s.middle - at) < 0.5 + TIE and s.area <= 2.05 * s.peak
         return s if inside else None
-
-    def is_face(self, axis, x, y):
-        """Whether a mesh tells of an edge there: what stands out in the averages is a narrow face, and no wire."""
-        across, at = (x, y) if axis else (y, x)
-        edges = self._line(self.layers.creases[..., 2 * axis], axis, across)[:-1]
-        return bool(self.meshes and self.layers.marked and (edges[max(0, at - 1):at + 2] > 0).any())
 
     def pieces(self):
         """(x, y, axis, place along the axis, half, what it parts: 1 objects, 2 depths, whether rounding decides) of
@@ -273,17 +208,8 @@ class Things:
                 if row is None and column is None:
                     continue
                 unsure = any(s is not None and halfway(s.middle) for s in (row, column))
-                both = row is not None and column is not None
-                narrower = both and (column.area < row.area if row.told == column.told else row.told)
-                axis = int(column is not None and (row is None or narrower))
-                ways = [axis, 1 - axis] if both and (row.told or column.told) else [axis]
-                for axis in ways:
-                    own = column if axis else row
-                    if not own.told and self.is_face(axis, x, y):
-                        continue
-                    thing = self.along(axis, x if axis else y, own)
-                    unsure |= thing.unsure
-                    told = sum(s.told for s in thing.slices)
-                    if (thing.hits or thing.held == 2 or told >= 16) and thing.steps >= 3:
-                        yield x, y, axis, own.middle, thing.half * thing.square, hits, unsure
-                        break
+                axis = int(column is not None and (row is None or column.area < row.area))
+                own = column if axis else row
+                thing = self.along(axis, x if axis else y, own)
+                if thing.hits and thing.steps >= 3:
+                    yield x, y, axis, own.middle, thing.half * thing.square, hits, unsure or thing.unsure

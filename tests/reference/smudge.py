@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import grid
+from . import grid, lines
 from .metric import mix
 
 
@@ -15,6 +15,9 @@ def smudge(layers, params, edges, surface, surface_doubtful):
     far = np.abs(reach)
     y, x = grid.positions(far.shape)
     ey, ex, d = grid.nearest(edges.mask)
+    found = lines.held(params, edges)
+    if found:
+        ey, ex, d = found[0], found[1], np.where(found[0] >= 0, np.hypot(found[0] - y, found[1] - x), np.inf)
 
     step = np.where(np.isfinite(d) & (d > 0), d, 1.0)
     pick = params.at("smudge_pick", style) * unit
@@ -47,5 +50,6 @@ def smudge(layers, params, edges, surface, surface_doubtful):
     )
     *_, other = grid.nearest(edges.mask_doubtful)
     sure = grid.nearest(edges.mask & ~edges.mask_doubtful)[2]
-    doubtful |= params.at("use_smudging", style) & (far > 0.1) & (other <= np.minimum(sure, far + 1e-4))
+    doubtful |= params.at("use_smudging", style) & (far > 0.1) & (found[2] if found else
+                                                                  other <= np.minimum(sure, far + 1e-4))
     return smudged, doubtful | (applies & surface_doubtful[q])

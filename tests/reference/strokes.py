@@ -6,9 +6,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from .hand import KINDS, Hand, across_at, inks, kinds, left_by
+from .hand import Hand, across_at, inks, kinds, left_by
 from .lines import Pen
 from .metric import clamp01, mix
+from .params import KINDS
 from .strips import End
 from .strips import ends as strip_ends
 from .strips import left as strip_left

@@ -112,8 +112,6 @@ def _matters(t, hand, layers):
 
 def _stands_out(layers, site):
     family = FAMILIES[site["family"]]
-    if family == "mark":
-        return 1.0
     if family not in ("crack", "thin"):
         return 0.0
     height, width = layers.depth.shape

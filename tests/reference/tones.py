@@ -3,9 +3,9 @@
 
 import numpy as np
 
-from . import cleared, hatch, scatter
+from . import blacks, cleared, hatch, scatter, stipple
 from .metric import clamp01, mix, value
-from .shade import metered, other, painted
+from .shade import metered, other, painted, passed, steepness
 from .tiles import pictured, thresholds
 
 SLOTS = 6
@@ -227,18 +227,11 @@ def _glazed(layers):
     return share * clamp01(50 * value(layers.color) / np.maximum(1 - mirrors, 0.05))
 
 
-def _steep(light):
-    """How much it differs from a pixel to the next; the less of both sides."""
-    def along(axis):
-        n = light.shape[axis]
-        before, after = (np.take(light, np.abs(np.arange(n) - 1).clip(0, n - 1), axis),
-                         np.take(light, np.where(np.arange(n) < n - 1, np.arange(n) + 1, max(n - 2, 0)), axis))
-        return np.minimum(np.abs(light - before), np.abs(after - light))
-
-    return np.hypot(along(0), along(1))
+def _lightness(of):
+    return _luminance if of("tone_black_by") == "LUMINANCE" else value
 
 
-def _dark(layers, levels, of, look):
+def _dark(layers, levels, of, look, spotted=None):
     """(share, darkness) of a tone at each pixel."""
     end = levels[1][1] + max(levels[1][2] / 2, 1e-3) if len(levels) > 1 else 0.0
 
@@ -248,7 +241,7 @@ def _dark(layers, levels, of, look):
 
     lit = spared(metered(layers, value(layers.diffuse)) * of("shade_exposure"), layers.color) + painted(layers)
     rest = value(other(layers))
-    lightness = _luminance if of("tone_black_by") == "LUMINANCE" else value
+    lightness = _lightness(of)
     left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
 
     def kept(lit, bright, black, dark, mirrored=0):
@@ -261,10 +254,7 @@ def _dark(layers, levels, of, look):
 
     def counted(color, black, dark):
         """How light a colour counts as: deep reds and blues less."""
-        bright, most = lightness(color), np.maximum(color[..., 1], color[..., 2])
-        other = np.maximum(color[..., 0], color[..., 1])
-        deep = clamp01(np.maximum((color[..., 0] - 2.6 * most) / np.maximum(most, 1e-37),
-                                  (color[..., 2] - 1.6 * other) / np.maximum(other, 1e-37)))
+        bright, deep = lightness(color), cleared.deep(color)
         first = black + 0.25 * (dark - black)
         span = dark - first
         less = first + (bright - first) * span / np.maximum(span + of("tone_reds") * deep * dark, 1e-37)
@@ -272,9 +262,11 @@ def _dark(layers, levels, of, look):
 
     bright, black = lightness(layers.color), of("tone_black") * left
     mirrored = clamp01(lightness(other(layers))) * _glazed(layers)
+    black = black if spotted is None else np.where(spotted, black, 0)
     dark = of("tone_dark") * left
     lit = kept(lit, counted(layers.color, black, dark), black, dark, mirrored)
-    light = np.where(bright < black, np.maximum(rest - _glazed(layers), -1), np.maximum(lit, rest))
+    shine = rest - _glazed(layers) if spotted is None else np.where(rest > 0.5, rest, -1)
+    light = np.where(bright < black, np.maximum(shine, -1), np.maximum(lit, rest))
     sky = np.full(light.shape, np.inf)
     if of("tone_sky") > 0:
         bright = metered(layers, np.maximum(rest, 0)) * of("shade_exposure") * of("tone_sky")
@@ -294,20 +286,24 @@ def _dark(layers, levels, of, look):
         shows = ((value(layers.color) < 0.05)
                  & ((_glazed(layers) <= 0.5) | ~itself & (value(layers.gloss) >= 0.7)))
         light = np.where(shows, np.where(nothing, sky, np.maximum(light, lit)), light)
+    sky = ~layers.there & (layers.combined[..., 3] > 0.999)
+    night = bool((sky & (value(layers.combined) > 0)).any()) and of("tone_mirrors") and (
+        of("tone_black") > 0 and not of("tone_sky") > 0)
+    if night:
+        own = lightness(layers.combined[..., :3])
+        seen = (own - of("tone_black")) * 2 / of("tone_black")
+        light = np.where(sky, np.select([own < of("tone_black"), seen < 1], [-1, seen], np.inf), light)
+    caught = ~layers.there & (value(layers.diffuse) > 0)
+    light = np.where(caught, metered(layers, value(layers.diffuse)) * of("shade_exposure"), light)
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
-    steep = 0 if of("tone_crisp") else _steep(np.minimum(light, 1e6))
+    steep = 0 if of("tone_crisp") else steepness(np.clip(light, None if spotted is None else 0, 1e6))
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):
-        if _looks(of)[min(k, SLOTS - 1)] != look:
+        if _looks(of)[min(k + (spotted is not None), SLOTS - 1)] != look:
             continue
 
-        def passed(steps):
-            if steps[2] > 1e-30:
-                return clamp01((light - steps[1]) / steps[2] + 0.5)
-            edge = clamp01((light - steps[1]) / np.maximum(steep, 1e-30) + 0.5)
-            return np.where(steep > 1e-4, edge, light > steps[1])
-
-        here = (passed(level) if k else 1.0) - (passed(levels[k + 1]) if k < len(levels) - 1 else 0.0)
+        here = (passed(light, *level[1:3], steep) if k else 1.0) - (
+            passed(light, *levels[k + 1][1:3], steep) if k < len(levels) - 1 else 0.0)
         here = np.maximum(here, 0) * np.ones(light.shape)
         brighter = level[0]
         if k < len(levels) - 1:
@@ -316,11 +312,15 @@ def _dark(layers, levels, of, look):
             brighter = mix(level[0], levels[k + 1][0], of(f"tone_{_number(of, k)}_gradient") * along)
         share += here
         total += here * clamp01(1 - brighter + of("tone_darkness") + added)
-    shows_sky = of("tone_mirrors") and of("tone_sky") > 0
-    share = np.where(layers.there | shows_sky, share, 0)
+    if spotted is not None:
+        own = spotted & (light < 0)
+        first = float(look == _looks(of)[0])
+        share, total = np.where(own, first, share), np.where(own, first * clamp01(1 + of("tone_darkness")), total)
+    shows_sky = night or of("tone_mirrors") and of("tone_sky") > 0
+    share = np.where(layers.there | caught | shows_sky, share, 0)
     dark = clamp01(np.where(share > 0, total / np.maximum(share, 1e-30), 0))
     if shows_sky and look[3] != "SCREEN":
-        dark = np.where(layers.there, dark, dark >= 0.5)
+        dark = np.where(layers.there | caught, dark, dark >= 0.5)
     if look[0] == "HATCH":
         dark = dark * clamp01((dark - 0.02) / 0.03)
     return clamp01(share), dark
@@ -346,18 +346,19 @@ def _light(of):
 def _ink(layers, of, look, dark, scale, paper, own):
     kind, pitch, angle, space = look[:4]
     painted_on = space == "OBJECT"
-    unit = 0.01 * pitch * (0.5 if kind == "STIPPLE" else 1) if painted_on else 1  # of a field on the thing
+    own_pitch = 0.01 * pitch
+    unit = own_pitch if painted_on and kind != "STIPPLE" else 1  # of a field on the thing
     pitch, c, s = _pitch(of, look, layers, scale)
     pitch = max(2.0, pitch)
 
     def soft(pitch):
-        return 0.002 + 0 * pitch if of("tone_crisp") else 1 + (1 - of("tone_hardness")) * pitch / 2
+        return 0.002 + 0 * pitch if of("tone_crisp") else 1 + 0 * pitch
 
     height, width = dark.shape
     anchor = {"SCREEN": None, "FLAT": _sheet(layers.card)}.get(space, layers.anchor)
 
     def screen(right, down):
-        each = {"HATCH": max(pitch, 3), "STIPPLE": max(pitch / 2, 3)}.get(kind, pitch)
+        each = {"HATCH": max(pitch, 3), "STIPPLE": 1}.get(kind, pitch)
         right, down = right / each, down / each
         y, x = np.mgrid[:height, :width]
         return right * (x + layers.x + 0.5) + down * (y + layers.y + 0.5), right + 0 * x, down + 0 * x
@@ -393,14 +394,19 @@ def _ink(layers, of, look, dark, scale, paper, own):
             bounds = (tile.shape[1], 1e6) if painted_on else (pitch, pitch)
             ink = pictured(tile, lattice(chart(c, s), *bounds), dark, of("tone_crisp"))
         else:
-            turn = np.radians(angle) + (np.arctan2(0.3511234, 0.9363292) if kind == "HATCH" else 0)
             apart = max(pitch * (0.5 if kind == "STIPPLE" else 1), 3)
             bounds = (3, max(40 * scale, 3)) if painted_on else (apart, apart)
-            axes = (None,) if anchor is None else scatter.axes(anchor)[:2 if kind == "STIPPLE" else 1]
-            charts = [(axis, chart(np.cos(turn), np.sin(turn), axis)) for axis in axes]
-            ink = scatter.Drawing(layers, kind, bounds, np.radians(angle), anchor, charts, dark, lattice,
-                                  of("tone_crisp"), _light(of),
-                                  of("tone_strokes") == "UV" and space != "FLAT", space == "FLAT").draw(own)
+            axes = (None,) if anchor is None else scatter.axes(anchor)
+            if kind == "STIPPLE":
+                ink = stipple.Spots(layers, [(axis, chart(1, 0, axis)) for axis in axes], dark, bounds,
+                                    0.5 * own_pitch if painted_on else 1,
+                                    None if anchor is None else scatter.Seams(anchor), of("tone_crisp")).draw(own)
+            else:
+                turn = np.radians(angle) + np.arctan2(0.3511234, 0.9363292)
+                ink = scatter.Drawing(layers, bounds, np.radians(angle), anchor,
+                                      (axes[0], chart(np.cos(turn), np.sin(turn), axes[0])), dark, lattice,
+                                      of("tone_crisp"), _light(of), of("tone_strokes") == "UV" and space != "FLAT",
+                                      space == "FLAT").draw(own)
         return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark
     if anchor is None:
@@ -430,7 +436,7 @@ def _pitch(of, look, layers, scale):
     return pitch, c, s
 
 
-def _rooms(layers, params, keep, scale):
+def _rooms(layers, params, keep, scale, spotted):
     """What screens have at each pixel."""
     if not params["tone_least"] > 0:
         return np.ones(keep[0].shape), 0
@@ -445,7 +451,7 @@ def _rooms(layers, params, keep, scale):
                     default=0)
         radius = np.where(own, min(0.5 * params["tone_least"] * pitch, 60), radius)
         for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
-            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look), look[0], keep)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted), look[0], keep)
             (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share, 0)[own]
     return cleared.rooms(layers, screens, solid, np.minimum(keep[0], keep[1]) < 0.5, keep[2], radius)
 
@@ -465,18 +471,21 @@ def _fitted(dark, rooms):
 def fill(layers, params, surface, paper):
     """(the surface (H, W, 4) with its tones, these alone). paper: as for hatching."""
     drawn, alone = surface.copy(), np.zeros(surface.shape)
+    clear = ~layers.there & (value(layers.diffuse) > 0) & (drawn[..., 3] < 1) & (params["surface"] == "PAPER")
     scale = params.pixels(layers.full_height)
     keep = cleared.kept(layers, params)
-    rooms = _rooms(layers, params, keep, scale)
+    spotted = blacks.spotted(layers, params, _lightness) if params["tone_black_widest"] > 0 else None
+    rooms = _rooms(layers, params, keep, scale, spotted)
     for number, table in enumerate(params.tables):
         of, own = table.__getitem__, layers.style == number
         if not of("use_tones"):
             continue
+        drawn[own & clear] = 0
         looks = _looks(of)
         for k, look in reversed(list(enumerate(looks))):
             if look[0] == "NONE" or look in looks[:k]:
                 continue
-            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look), look[0], keep)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted), look[0], keep)
             if not (dark > 0).any():
                 continue
             if look[0] in ("HATCH", "STIPPLE"):
@@ -489,7 +498,8 @@ def fill(layers, params, surface, paper):
                 ink = _ink(layers, of, look, dark, scale, paper, own)
             t = np.where(own, ink * share, 0)[..., None]
             t = np.where(t >= 0.5, 1.0, 0.0) if of("tone_crisp") else t
-            alpha = surface[..., 3:]
+            drawn[..., 3:] = np.where(clear[..., None], mix(drawn[..., 3:], 1, t), drawn[..., 3:])
+            alpha = np.where(clear[..., None], 1, surface[..., 3:])
             drawn[..., :3] = mix(drawn[..., :3], np.array(look[4]) * alpha, t)
             ink = np.concatenate([np.array(look[4]) * alpha, alpha], -1)
             alone = mix(alone, ink, t)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import grid, metric
+from . import edges, grid, metric
 from .edges import SOURCES
 from .metric import clamp01
 from .params import strength as strength_of
@@ -26,7 +26,6 @@ class Place:
     source: int
     margin: float
     weak: bool = False
-    told: bool = False  # a contour that the mesh tells best
     thin: tuple = (0.0, 0.0, 0.0)
     step: tuple = (0, 0, 0)
     near: tuple = ()
@@ -65,26 +64,27 @@ class View:
         self.weights = {k: params.at(strength_of(name), np.arange(len(params.tables)))
                         for k, name in enumerate((*SOURCES, "seen", "suggestive"))}
 
-    def normal_weights(self, row, column):
-        """By style, of a crease that the normals show at a pixel: that of bumps where a mesh tells of creases."""
-        bumps = self.params.at("crease_bumps", np.arange(len(self.params.tables)))
-        untold = ~self.meshes | (self.layers.creases[row, column, 4] < 0)
-        return np.where(untold, self.weights[SOURCES.index("normal")], bumps)
-
-    @property
-    def meshes(self):
-        """Whether meshes tell of creases."""
-        return np.array("creases" in self.given and self.params["crease_source"] == "AUTO")
-
     def space(self, linear):
         """Colours as the metric compares them."""
         encoded = metric.encode(linear)
-        return encoded if self.metric == "RGB" else metric.lab(encoded)
+        return encoded if self.metric == "RGB" else metric.hsl(encoded) if self.metric == "HSL" else metric.lab(encoded)
 
     def difference(self, one, two):
         if self.metric == "RGB":
             return float(metric.rgb(one, two))
+        if self.metric == "HSL":
+            weights = [self.params[f"contrast_{part}"] for part in ("hue", "saturation", "lightness")]
+            return float(metric.by_hsl(one, two, *weights))
         return float(getattr(metric, self.metric.lower())(one, two)) / 100
+
+    def painted(self, one, two):
+        """The CIEDE2000 of two colours of the metric's space, over 100."""
+        lab = np.array([one, two])
+        if self.metric == "HSL":
+            lab = metric.rgb_of_hsl(lab)
+        if self.metric in ("RGB", "HSL"):
+            lab = metric.lab(clamp01(lab))
+        return float(metric.ciede2000(*lab)) / 100
 
     def contrast(self, difference):
         least, most = self.params["contrast_threshold"], self.params["contrast_full"]
@@ -117,9 +117,9 @@ class View:
         its = [p for p in window if family == "thin" or self.layers.object[p] == self.layers.object[bounded]] or window
         return min(its, key=lambda p: (z[p], (p[0] - py)**2 + (p[1] - px)**2, p))
 
-    def weigh(self, place, family, column, row, axis, strengths, style=None, weights=None):
+    def weigh(self, place, family, column, row, axis, strengths, style=None, apart=0.0):
         """The site with the largest of its weighted strengths {source: S}, the first of equals; by the style of where
-        it takes its controls. weights: by style, in the place of the source's."""
+        it takes its controls. apart: CIEDE2000 of the colours that it parts, over 100."""
         if style is None:
             style = self.layers.style[self.near(place[0], place[1], column, row, family, axis)]
         pixel, styled = self.pixel(*place), len(self.params.tables) > 1 or "controls" in self.given
@@ -127,10 +127,13 @@ class View:
         best = (0.0, 0)
         every = []
         for source, strength in strengths.items():
-            weight = (self.weights[source] if weights is None else weights)[style]
+            weight = self.weights[source][style]
+            least = 0.0
             if source == SOURCES.index("color"):
-                weight = weight + self.layers.controls["color_edge"][pixel]
-            every.append(max(0.0, weight * strength))
+                control = self.layers.controls["color_edge"][pixel]
+                weight = edges.painted_weight(self.params, weight, control)
+                least = edges.painted_strength(self.params, control, apart)
+            every.append(max(least, weight * strength))
             if every[-1] > best[0]:
                 best = (every[-1], source)
         margin = best[0] - self.threshold if self.threshold > 0 else best[0] or -1.0

@@ -135,6 +135,17 @@ def test_what_lies_flush_is_told_apart():
     assert (middle()["kind"] & KIND["flush"] == 0).any()
 
 
+def test_what_touches_an_edge_at_one_place_is_no_step_along_all_of_it():
+    ridge = np.array([(x, y, -abs(x) / 5) for y in (-3, 3) for x in (-1, 0, 1)], np.float32)
+    roof = Mesh(ridge, np.array([(0, 1, 4), (0, 4, 3), (1, 2, 5), (1, 5, 4)], np.int32), object_index=1)
+    for side in (1, -1):  # seen from both ends of the edge it ends what is seen
+        touching = box((0, min(side, 1.2 * side), -1), (0.4, max(side, 1.2 * side), 0), 2)
+        hiding = box((-0.4, min(1.2 * side, 1.6 * side), -1), (0.4, max(1.2 * side, 1.6 * side), 0.5), 3)
+        one, other = segments(find([roof, touching, hiding], from_above()))
+        long_ = (other["object"] == 1) & (other["kind"] == KIND["crease"]) & (np.abs(one["y"] - other["y"]) > 3)
+        assert long_.sum() >= 2 and (other["bend"][long_] < 30).all()
+
+
 def scene(seed=3):
     rng = np.random.default_rng(seed)
     meshes = [soup(rng, 40, object_index=1), box((-1, -1, -1), (1, 1, 1), 2), box((-0.5, -2, 0), (0.5, 2, 0.3), 3)]
@@ -152,21 +163,35 @@ def test_the_same_on_any_number_of_threads_and_by_any_instructions(projection):
     assert all(one.tobytes() == found[0].tobytes() for one in found)
 
 
+def inside(points, x, y, width, height):
+    """What all parts of runs that lie in a border are."""
+    one, other = segments(points)
+    low = np.minimum(one["x"], other["x"]) >= x, np.minimum(one["y"], other["y"]) >= y
+    high = np.maximum(one["x"], other["x"]) < x + width, np.maximum(one["y"], other["y"]) < y + height
+    kept = np.all([*low, *high], axis=0)
+    names = ("kind", "object", "behind", "gap", "bend")
+    ends = np.sort(np.stack([one[kept][["x", "y"]], other[kept][["x", "y"]]], 1), axis=1)
+    return {(ends[i].tobytes(), *(other[kept][name][i] for name in names)) for i in range(kept.sum())}
+
+
 def test_a_border_has_the_points_of_the_whole():
-    x, y, width, height = 20, 10, 40, 30
-
-    def inside(points):
-        one, other = segments(points)
-        low = np.minimum(one["x"], other["x"]) >= x, np.minimum(one["y"], other["y"]) >= y
-        high = np.maximum(one["x"], other["x"]) < x + width, np.maximum(one["y"], other["y"]) < y + height
-        kept = np.all([*low, *high], axis=0)
-        names = ("kind", "object", "behind", "gap", "bend")
-        ends = np.sort(np.stack([one[kept][["x", "y"]], other[kept][["x", "y"]]], 1), axis=1)
-        return {(ends[i].tobytes(), *(other[kept][name][i] for name in names)) for i in range(kept.sum())}
-
+    border = 20, 10, 40, 30
     meshes = scene()
-    whole, part = find(meshes, np.eye(4)), find(meshes, np.eye(4), None, Frame(*SIZE, x, y), (width, height))
-    assert len(inside(whole)) > 20 and inside(whole) == inside(part)
+    whole, part = find(meshes, np.eye(4)), find(meshes, np.eye(4), None, Frame(*SIZE, *border[:2]), border[2:])
+    assert len(inside(whole, *border)) > 20 and inside(whole, *border) == inside(part, *border)
+
+
+def test_a_long_edge_that_leaves_its_ground_has_the_points_of_the_whole_in_a_border():
+    size, border = (960, 320), (300, 0, 400, 320)
+    slope = np.eye(4)
+    slope[2, 0], slope[2, 3] = 0.004, 0.016
+    meshes = [box((-8, -8, -0.1), (8, 8, 0)), box((-14, -0.6, 0), (14, 0.6, 0.002), 2, model=slope)]
+    projection = perspective(*size)
+    whole = find(meshes, from_above(4), projection, Frame(*size), size)
+    part = find(meshes, from_above(4), projection, Frame(*size, *border[:2]), border[2:])
+    found = inside(whole, *border)
+    assert len(found) > 10 and len({each[4] for each in found}) > 3  # `gap` grows along it
+    assert found == inside(part, *border)
 
 
 def test_what_is_kept_is_as_what_is_found_anew():

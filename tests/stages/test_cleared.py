@@ -7,46 +7,18 @@ import numpy as np
 import pytest
 from encre.pen import library
 from encre.pen.job import Frame
-from toned import ALONE, twins
+from toned import ALONE, crowded, shaded, twins, whole
 
 BLACK = dict(ALONE, shade_levels=[(0.0,), (0.65, 0.25, 0.0), (1.0, 0.55, 0.0)], tone_1="SOLID", tone_2="DOTS",
              tone_2_pitch=6.0, tone_2_space="SCREEN", tone_3="NONE")
 
 
-def shaded(height, width, light=0.4, color=0.8):
-    """Layers of a wall of one colour in one light; a test draws on them."""
-    one = np.ones((height, width, 3))
-    return dict(combined=np.ones((height, width, 4)), color=one * color, diffuse=one * light, normal=one,
-                depth=np.full((height, width), 5.0))
-
-
-def whole(layers):
-    layers["combined"][..., :3] = layers["color"] * layers["diffuse"]
-    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
-
-
-def crowded(seed, height=70, width=110):
-    """Bars and crumbs of many sizes and colours, on and before a wall, in shadows of many widths."""
-    rng = np.random.default_rng(seed)
-    layers = shaded(height, width)
-    layers["object"] = np.zeros((height, width))
-    for name, count, choices in (("color", 50, (0.01, 0.05, 0.3, 0.9)), ("diffuse", 40, (0.1, 0.4, 0.4, 0.9))):
-        for number in range(count):
-            y, x, (h, w) = rng.integers(height), rng.integers(width), rng.integers(1, [12, 40])[rng.permutation(2)]
-            layers[name][y:y + h, x:x + w] = rng.choice(choices)
-            if name == "color" and rng.random() < 0.3:
-                layers["depth"][y:y + h, x:x + w] = rng.choice([4.8, 4.99])
-                layers["object"][y:y + h, x:x + w] = number % 3
-    layers["depth"][:6, -30:] = 0
-    layers["style"] = (np.arange(width) > 80) * np.ones((height, 1))
-    return whole(layers)
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_twin(seed):
     scene = dict(BLACK, tone_detail=(0.0, 5.0, 9.0, 7.0, 0.0)[seed], tone_least=(1.5, 0.0, 1.2, 2.5, 9.0)[seed])
-    style = dict(tone_2="LINES", tone_2_pitch=4.0, tone_1="STIPPLE" if seed == 3 else "SOLID")
-    got = twins(crowded(seed), scene, [style], Frame(200, 160, 31, 20), few=2e-3, wrong=2e-3)
+    style = dict(tone_2="LINES", tone_2_pitch=4.0, tone_1="STIPPLE" if seed == 3 else "SOLID",
+                 tone_reds=9.0 * (seed == 2))
+    got = twins(crowded(seed), scene, [style], Frame(200, 160, 31, 20), few=3e-3, wrong=3e-3)
     plain = library.render(crowded(seed), dict(scene, tone_detail=0.0, tone_least=0.0), [style],
                            frame=Frame(200, 160, 31, 20), outputs=("Encre Tones",)).images
     assert (np.abs(got["Encre Tones"] - plain["Encre Tones"]).max(-1) > 0.5).mean() > 0.003
@@ -205,6 +177,18 @@ def test_what_letters_of_a_board_lie_on_is_ink_in_a_screen_too(kind, curved):
     about = drawn[21:36, [19, 23, 29, 33, 49, 53]]
     assert about.mean() < 0.6 if curved else about.all()
     assert not drawn[22:36, [21, 41, 61]].any() and 0.1 < drawn[:12].mean() < 0.9
+
+
+@pytest.mark.parametrize("paint, inked", [((0.6, 0.02, 0.02), True), ((0.05, 0.15, 0.6), True),
+                                          ((0.3, 0.15, 0.1), False), ((0.15, 0.15, 0.15), False)])
+def test_red_and_blue_signs_are_boards_and_faces_are_not(paint, inked):
+    layers = shaded(60, 60, 0.4)
+    layers["color"][:] = paint
+    layers["color"][10:50, 28:31] = 0.9
+    for kind in "DOTS", "HATCH", "STIPPLE":
+        about, plain = (ink(layers, tone_1=kind, tone_2=kind, tone_2_pitch=6.0, tone_detail=5.0, tone_reds=reds)
+                        [14:46, [26, 27, 31, 32]] for reds in (4.0, 0.0))
+        assert about.all() == inked and plain.mean() < 0.9
 
 
 def test_the_white_of_an_eye_in_a_dark_face_has_no_ink_about_it():

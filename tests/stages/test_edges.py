@@ -7,7 +7,8 @@ import pytest
 import reference
 from encre.pen import library
 from encre.pen.errors import EncreError
-from encre.pen.job import Camera
+from encre.pen.job import Camera, Chains
+from known import line
 from reference.params import strength, width
 
 CONTROLS = len(library.controls())
@@ -46,14 +47,15 @@ def drawn(height, width, seed=0, kind="noise", nasty=False, painted=True):
         color=albedo, albedo=albedo, diffuse=np.repeat(blocks(rng, height, width, 3, [0.2, 0.6, 1.2])[..., None], 3, 2),
         depth=depth, normal=normal, object=blocks(rng, height, width, 8, range(3)),
         material=blocks(rng, height, width, 6, range(3)), style=blocks(rng, height, width, 7, range(4)),
-        controls=np.where(rng.random((height, width, 1)) < 0.5, 0, rng.uniform(-1.2, 1.2, (height, width, CONTROLS))),
-        marks=rng.choice([0, -0.5, 0.2, 0.5, 0.7, 1], (height, width, 2), p=[0.9, *[0.02] * 5]))
+        controls=np.where(rng.random((height, width, 1)) < 0.5, 0, rng.uniform(-1.2, 1.2, (height, width, CONTROLS))))
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items() if painted or name != "controls"}
     if nasty:
         for a in layers.values():
             bad = rng.random(a.shape) < 0.01
             a[bad] = rng.choice([np.nan, np.inf, -np.inf], bad.sum())
-    return layers
+    strokes = [line(rng.uniform(0, 1, (3, 2)) * (width, height), kind, run=k)
+               for k, kind in enumerate(["mark"] * 6 + ["contour"])]
+    return layers | {"chains": Chains(np.concatenate(strokes), np.zeros(3, np.uint8))}
 
 
 def expected(layers, scene, styles=(), camera=None):
@@ -93,6 +95,9 @@ CASES = {
     "RGB": alone("color", contrast_metric="RGB"),
     "CIE76": alone("color", contrast_metric="CIE76", contrast_threshold=0.2, contrast_full=0.6),
     "CIEDE2000": alone("color", contrast_metric="CIEDE2000", contrast_full=0.8),
+    "HSL": alone("color", contrast_metric="HSL"),
+    "HSL, weighted": alone("color", contrast_metric="HSL", contrast_hue=2.0, contrast_saturation=0.3,
+                           contrast_lightness=0.6, contrast_full=0.7),
     "CMC": alone("color", contrast_metric="CMC", contrast_full=0.9),
     "light, CIE76": alone("light", contrast_metric="CIE76"),
     "a step": alone("color", contrast_threshold=0.3, contrast_full=0.3),
@@ -266,8 +271,9 @@ def test_planes_have_no_edges_up_to_the_border(detector):
 @pytest.mark.parametrize("detector", ["DOG", "SOBEL"])
 def test_flat_is_exactly_nothing(detector):
     layers = drawn(20, 300, kind="drawn")
+    del layers["chains"]
     for name, a in layers.items():
-        a[:] = {"depth": 7.3, "normal": 0.37, "albedo": 0.31, "marks": 0}.get(name, 0.6)
+        a[:] = {"depth": 7.3, "normal": 0.37, "albedo": 0.31}.get(name, 0.6)
     for camera in (Camera(), ORTHO):
         for space in ("INVERSE", "LINEAR"):
             scene = {**CASES["all"], "edge_detector": detector, "color_detector": "DOG", "depth_space": space}

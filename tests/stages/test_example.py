@@ -12,7 +12,7 @@ from reference import render as reference
 ALONE = dict(use_lines=False, use_shading=False, use_smudging=False, use_hatching=False, use_example=True,
              example_ball="IMAGE", example_image="ball", length_unit="PIXELS")
 STYLES = [dict(example_image="other", example_own_color=0.3, example_light=1.0, example_loose=1.0, example_size=40.0,
-               example_patch=60.0, example_strength=0.8, example_gloss=0.0),
+               example_strength=0.8),
           dict(use_example=False)]
 
 
@@ -51,9 +51,9 @@ def draw(layers, camera, scene, styles=(), **how):
 
 
 @pytest.mark.parametrize(("how", "anchored"),
-                         [(dict(example_size=44.0, example_patch=14.0, example_gloss=0.9), True),
-                          (dict(example_size=200.0, other_light=0.2, example_gloss=1.0), True),
-                          (dict(example_size=90.0, example_patch=40.0), False)],
+                         [(dict(example_size=44.0), True),
+                          (dict(example_size=200.0, other_light=0.2), True),
+                          (dict(example_size=90.0), False)],
                          ids=["shrunk", "grown", "on the picture"])
 def test_twin(how, anchored):
     layers, camera = layers_of((60, 36) if anchored else (30, 18))
@@ -90,26 +90,11 @@ def test_a_part_of_the_frame_is_the_frame_s_part():
     assert np.array_equal(whole[7:40, 13:77], draw(part, camera, ALONE, STYLES, frame=Frame(90, 50, 13, 7)))
 
 
-def test_metals_are_painted_and_plain_surfaces_keep_their_highlights():
-    layers, camera = layers_of((60, 36))
-    del layers["style"]
-    layers["color"] = np.zeros_like(layers["color"])
-    layers["combined"][...] = 0.5, 0.5, 0.5, 1
-    layers["gloss"][:] = np.where(np.arange(60)[:, None] < 30, 0.05, 0.8)
-    there = layers["depth"].reshape(36, 60) < 1e9
-    dull, metal = there[:, :30], there[:, 30:]
-    for strength, least, most in (0.0, 0.0, 0.0), (1.0, 0.02, 0.3):
-        got = draw(layers, camera, ALONE | dict(example_gloss=strength))[..., 0]
-        np.testing.assert_allclose(got[:, :30][dull], 0.5, atol=1e-6)
-        assert dull.any() and least <= got[:, 30:][metal].std() <= most
-        assert abs(got[:, 30:][metal].mean() - 0.5) < 0.1
-
-
 def test_it_sticks_to_surfaces():
     """Paint moves with the thing."""
     rng = np.random.default_rng(5)
     grain = np.float32(0.5 + 0.3 * np.kron(rng.random((64, 64, 1)), np.ones((8, 8, 3))))
-    values = dict(ALONE, example_image="grain", example_light=0.0, example_size=380.0, example_patch=40.0)
+    values = dict(ALONE, example_image="grain", example_light=0.0, example_size=380.0)
     for motion, least in ("pan", 0.98), ("zoom", 0.81), ("turn", 0.95):
         corr, pop = sticks.painted(values, sticks.MOTIONS[motion][:3], lambda _: grain)
         assert corr > least and pop < 0.002, (motion, corr, pop)

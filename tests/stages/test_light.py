@@ -180,6 +180,17 @@ def test_lamps_add_up_in_their_colours():
     assert np.allclose(stage.light(one, other), alone[0] + alone[1], rtol=1e-5, atol=1e-6)
 
 
+def test_many_lamps_give_nearly_what_each_gives_alone():
+    stage = Stage(96, 60)
+    lamps = [Lamp("point", (40.0 / (1 + k % 4) ** 3,) * 3, width=0.4, model=ways(2.0 * (k % 3) - 2, y=k / 2 - 3.0))
+             for k in range(12)]
+    alone = sum(stage.light(lamp).astype(float) for lamp in lamps)
+    together = stage.light(*lamps)
+    apart = np.abs(together - alone).max(2) / alone.max()
+    assert (together != alone.astype(np.float32)).mean() > 0.02  # weak ones are asked less
+    assert apart.mean() < 1e-3 and np.percentile(apart, 99) < 0.01 and apart.max() < 0.1
+
+
 # ---- the same bytes
 
 

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Programs of materials against tests/reference/material.py, cut up in other ways, and wrong ones."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from encre.pen import abi, library
+from encre.pen.colour import decode_srgb
 from encre.pen.errors import Cancelled, EncreError
 from encre.pen.job import Frame, Materials, Picture, Program
 from encre.pen.library import load
@@ -46,6 +48,14 @@ def picture(rng, width=8, height=4, wrap="repeat"):
         if max(width, height) == 1:
             return Picture(np.concatenate(levels), *sizes[0], len(levels), wrap)
         width, height = max(1, width // 2), max(1, height // 2)
+
+
+CURVE = np.array([decode_srgb(value / 255) for value in range(256)], np.float32)
+
+
+def of_bytes(picture, straight):
+    """Likewise of 8 bits."""
+    return replace(picture, texels=np.rint(picture.texels * 255).astype(np.uint8), curve=CURVE, straight=straight)
 
 
 def maps(rng, width=9, height=13, materials=3):
@@ -306,15 +316,19 @@ def test_ramps_of_any_stops(name, places):
     compare(made, maps(rng, 15, 15, 1))
 
 
+@pytest.mark.parametrize("made_of", ["floats", "bytes", "straight"])
 @pytest.mark.parametrize("wrap", ["repeat", "extend", "clip"])
 @pytest.mark.parametrize("size, wide", [((1, 1), 0.3), ((8, 4), 0.3), ((5, 7), 0.3), ((64, 1), 0.3), ((37, 19), 0.03),
                                         ((37, 19), 1)])
-def test_pictures(wrap, size, wide):
+def test_pictures(wrap, size, wide, made_of):
     rng = np.random.default_rng(size[0])
+    shown = picture(rng, *size, wrap)
+    if made_of != "floats":
+        shown = of_bytes(shown, made_of == "straight")
     operations = [row("channel", 0, data=(0,)), row("channel", 1, data=(1,)), row("footprint", 2, data=(0, 0)),
                   row("texture", 6, range(6))]
     made = Materials([Program(np.array(operations, np.int32), 10, [6, 7, 8, 9] + [0] * (abi.RESULTS - 4))],
-                     [picture(rng, *size, wrap)], CONSTANTS * np.float32(wide))
+                     [shown], CONSTANTS * np.float32(wide))
     given, view = maps(rng, 19, 18, 1), looking(rng)
     got = load().material(made, given, view, perspective(19, 18), Frame(19, 18))["color"]
     for y, x in np.ndindex(*got.shape[:2]):
@@ -323,6 +337,40 @@ def test_pictures(wrap, size, wide):
                                     down=step(given, x, y, 0, 1))
             want = run(made.programs[0], NAMES, pixel, made.constants.astype(float), made.textures, [])[6:9]
             np.testing.assert_allclose(got[y, x], want, atol=2e-5)
+
+
+@pytest.mark.parametrize("straight", [False, True])
+@pytest.mark.parametrize("size", [(1, 1), (8, 4), (5, 7), (64, 1), (1, 9), (37, 19)])
+def test_levels_of_bytes_are_means_of_light(size, straight):
+    """Each texel the code whose light is nearest to the mean of up to four."""
+    made = of_bytes(picture(np.random.default_rng(size[0]), *size), straight)
+    given, at = made.texels.copy(), size[0] * size[1]
+    made.texels[at:] = 7
+    load().picture_levels(made)
+    np.testing.assert_array_equal(made.texels[:at], given[:at])
+    before = made.texels[:at].reshape(size[1], size[0], 4)
+    for _ in range(made.levels - 1):
+        rows, columns = (slice(None) if n == 1 else slice(n // 2 * 2) for n in before.shape[:2])
+        even = before[rows, columns]
+        even = even.reshape(max(1, even.shape[0] // 2), -1, max(1, even.shape[1] // 2), min(2, even.shape[1]), 4)
+        share = np.where(straight, even[..., 3:].astype(float), 1)
+        whole = share.sum((1, 3))
+        mean = (CURVE.astype(float)[even[..., :3]] * share).sum((1, 3)) / np.maximum(whole, 1e-9)
+        got = made.texels[at:at + mean.shape[0] * mean.shape[1]].reshape(*mean.shape[:2], 4)
+        nearest = np.abs(CURVE.astype(float) - mean[..., None])
+        error = np.take_along_axis(nearest, got[..., :3, None].astype(int), 3)[..., 0] - nearest.min(3)
+        assert np.where(whole > 0, error, 0).max() < 1e-6
+        np.testing.assert_allclose(got[..., 3], even[..., 3].mean((1, 3)), atol=0.5)
+        at, before = at + mean.shape[0] * mean.shape[1], got
+
+
+@pytest.mark.parametrize("change", [{"texels": np.zeros((20, 4), np.uint8)}, {"levels": 4}, {"curve": CURVE[::-1]},
+                                    {"curve": np.where(np.arange(256) == 9, np.nan, CURVE)}, {"curve": CURVE[:9]},
+                                    {"texels": np.zeros((21, 4), np.float32)}])
+def test_pictures_of_bytes_that_cannot_be_used_are_refused(change):
+    made = replace(Picture(np.zeros((21, 4), np.uint8), 4, 4, 3, curve=CURVE), **change)
+    with pytest.raises(EncreError, match="^tex"):
+        load().picture_levels(made)
 
 
 def test_a_picture_of_one_colour_stays_that():

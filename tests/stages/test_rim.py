@@ -5,7 +5,8 @@ import drawn
 import masks
 import numpy as np
 import pytest
-from encre.pen.job import Camera, Frame
+from encre.pen.job import Camera, Chains, Frame
+from known import line
 from randomly import random_layers
 from reference import render as reference
 
@@ -22,15 +23,17 @@ def noise():
     """Steps of depth everywhere, contours at some, and normals of length 1."""
     layers, rng = random_layers(20, 30), np.random.default_rng(1)
     layers["normal"] /= np.linalg.norm(layers["normal"], axis=-1, keepdims=True)
-    marks = np.where(rng.random((20, 30, 2)) < 0.5, rng.uniform(-6, 0, (20, 30, 2)), 0)
-    return dict(layers, marks=marks.astype(np.float32))
+    depth = np.ravel(layers["depth"])
+    contours = [line(rng.uniform(0, 1, (2, 2)) * (30, 20), rng.choice(("contour", "mark")), run=k,
+                     depth=float(rng.choice(depth[depth < 1e9]))) for k in range(60)]
+    return dict(layers, chains=Chains(np.concatenate(contours), np.zeros(3, np.uint8)))
 
 
 @pytest.mark.parametrize("layers", [drawn.scene(48, 27), noise()], ids=["scene", "noise"])
 @pytest.mark.parametrize("camera", [None, TURNED, Camera(orthographic=True, height=4.0)])
 @pytest.mark.parametrize("scene", [
     dict(rim_width=5.0),
-    dict(rim_width=6.0, rim_facing=1.0, rim_depth=0.1, rim_spread=100.0),
+    dict(rim_width=6.0, rim_facing=1.0, rim_spread=100.0),
     dict(rim_width=5.0, rim_spread=70.0, rim_angle=20.0, rim_softness=0.7, rim_tint=0.5, rim_strength=0.7),
     dict(rim_space="WORLD", rim_angle=70.0, rim_elevation=50.0, rim_spread=60.0, rim_facing=0.5,
          length_unit="RELATIVE", rim_width=150.0),
@@ -56,17 +59,13 @@ def ball(size=129, radius=50.3, wall=None):
     if wall:
         depth = np.where(there, depth, 3000 + wall * x)
         normal = np.where(there[..., None], normal, np.array([wall, 0, 1]) / np.hypot(wall, 1))
-    marks = np.zeros((size, size, 2))
-    for axis, (u, v) in enumerate(((x, y), (y, x))):
-        edge = np.sqrt(np.maximum(radius**2 - v * v, 0))
-        for cross in (-edge, edge):
-            place = cross - u
-            passes = (place > 0) & (place <= 1) & (edge > 0)
-            marks[..., axis] = np.where(passes, -np.minimum(place, 0.999), marks[..., axis])
+    turn, middle = np.linspace(0, 2 * np.pi, 721), (size - 1) / 2
+    contour = line(middle + radius * np.stack([np.cos(turn), np.sin(turn)], 1), "contour", depth=2000, side=1)
     grey = np.full((size, size, 3), 0.2)
     layers = dict(combined=np.concatenate([grey, np.ones((size, size, 1))], -1), color=grey, diffuse=grey * 5,
-                  depth=depth, normal=normal, object=there, marks=marks)
-    return {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}, np.sqrt(square), x, y
+                  depth=depth, normal=normal, object=there)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    return layers | {"chains": Chains(contour, np.zeros(3, np.uint8))}, np.sqrt(square), x, y
 
 
 def covered(layers, scene, **how):
@@ -96,9 +95,10 @@ def test_a_band_by_form_ends_where_the_surface_has_turned(turn):
 def test_only_a_silhouette_has_a_band():
     layers, far, _, _ = ball(wall=8.0)  # turned by 83 degrees, and 8 deeper from pixel to pixel
     assert not covered(layers, dict(rim_width=8.0))[far > 51].any()
-    layers["depth"] = np.where(far < 50.3, layers["depth"], 1.5 * layers["depth"].min())
-    assert covered(layers, dict(rim_width=8.0, rim_depth=0.3)).max() > 0.9
-    assert not covered(layers, dict(rim_width=8.0, rim_depth=0.9)).any(), "what is behind is too near"
+    front = layers["depth"][far < 50.3].max()
+    for behind, banded in (1.1, True), (1.03, False):
+        layers["depth"] = np.where(far < 50.3, layers["depth"], np.float32(behind * front))
+        assert (covered(layers, dict(rim_width=8.0)).max() > 0.9) == banded, behind
 
 
 @pytest.mark.parametrize("scene", [

@@ -161,7 +161,7 @@ def test_strokes_go_on_to_the_frames_edge():
         assert edge.mean() > 0.6 * ink[40:-40, 40:-40].mean()
 
 
-@pytest.mark.parametrize("kind, off", [("HATCH", 0.025), ("STIPPLE", 0.045)])
+@pytest.mark.parametrize("kind, off", [("HATCH", 0.025), ("STIPPLE", 0.02)])
 def test_ink_of_strokes_is_what_was_asked_for(kind, off):
     for look in (dict(tone_1_pitch=4.0), dict(tone_1_pitch=8.0, tone_1_angle=0.0)):
         for dark in RAMP:
@@ -179,11 +179,12 @@ def test_ink_of_strokes_is_what_was_asked_for_whichever_way_they_go(turn):
 
 
 @pytest.mark.parametrize("kind, frames, most", [("hatching", 4, 0.025), ("stipple", 4, 0.0195),
-                                                ("strokes toward the light", 13, 0.015)])
+                                                ("strokes toward the light", 13, 0.022)])
 def test_strokes_of_one_who_walks_do_not_pop(kind, frames, most):
     """Strokes go as far as their surface does, not to the last whole step; where the surface bends each mark has a
     pixel that holds it; and spots beside a seam of two lattices are told by their places: by pixels 2.5 % popped.
-    Toward the light they hold to how it falls at rest: as they slipped on limbs that turn, 2.6 % did."""
+    Toward the light they hold to how it falls at rest: as they slipped on limbs that turn, 2.6 % did. As meridians
+    from the light, which met in stars, 1.5 % did."""
     assert sticks.followed(sticks.SCREENS[kind], sticks.MOTIONS["walk"][:frames])[1] < most
 
 

@@ -13,7 +13,7 @@ from encre.pen.job import Frame, Mesh
 from encre.pen.library import API_VERSION, load
 from jobs import HEIGHT, KINDS, WIDTH, Job
 
-IMAGES = [("render", "color"), ("render", "Combined"), ("raster", "depth"), ("raster", "marks"), ("bake", "texture"),
+IMAGES = [("render", "color"), ("render", "Combined"), ("raster", "depth"), ("raster", "anchor"), ("bake", "texture"),
           ("bake", "output")]
 
 
@@ -66,7 +66,7 @@ def test_paper_is_an_image_too():
 
 @pytest.mark.parametrize("kind, output, other", [
     ("render", "Combined", "color"), ("render", "Encre Edges", "depth"), ("render", "Encre Lines", "Combined"),
-    ("raster", "object", "depth"), ("raster", "marks", "normal"), ("bake", "output", "texture"),
+    ("raster", "object", "depth"), ("raster", "anchor", "normal"), ("bake", "output", "texture"),
     ("bake", "output", "form"),
 ])
 @pytest.mark.parametrize("ahead", [0, 4, -4])
@@ -301,7 +301,7 @@ def test_long_ways_to_an_edge(search, reach, far):
     assert inked.size and far - inked[0] == pytest.approx(min(8 * reach, far), abs=2)
 
 
-@pytest.mark.parametrize("function", ["render", "raster", "bake", "light", "material"])
+@pytest.mark.parametrize("function", ["render", "raster", "bake", "light", "material", "even", "average"])
 def test_no_job_and_no_context_are_refused(function):
     lib = load().lib
     call, context = getattr(lib, f"encre_{function}"), lib.encre_create(API_VERSION)

@@ -18,7 +18,7 @@ def test_files_keep_them_where_they_always_did():
                       "light": (light, 0)}
     assert list(saved.passes(()).items()) == [
         ("Encre Source", "RGBA"), ("Encre Diffuse", "RGB"), ("Encre Index", "XYZ"), (line, "XYZ"), (surface, "XYZ"),
-        (light, "X"), ("Encre Marks", "XYZ"), ("Encre Creases", "RGBA")]
+        (light, "X")]
 
 
 def test_what_is_saved_is_read_again_and_an_older_file_has_fewer():

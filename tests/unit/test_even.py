@@ -4,7 +4,8 @@
 import noise
 import numpy as np
 import pytest
-from encre.pen import even as module
+from encre.pen import samples
+from encre.pen.samples import REACH
 from reference import even as reference
 
 HEIGHT, WIDTH = 90, 120
@@ -14,7 +15,7 @@ FACING = np.tile(np.float32((0, 0, 1)), (HEIGHT, WIDTH, 1))
 
 
 def even(light, *given):
-    return module.even(light.copy(), *given)
+    return samples.even(light.copy(), *given)
 
 
 def grey(light):
@@ -173,16 +174,40 @@ def test_nothing_is_mixed_across_an_outline():
     assert not np.array_equal(even(left, rendered, FACING, FLAT), left)
 
 
-def test_a_part_is_as_in_the_whole(monkeypatch):
+def test_a_part_is_as_in_the_whole():
     left, rendered = noisy(np.tile(shadow(), (2, 2)))
     normal, depth = np.tile(FACING, (2, 2, 1)), np.tile(FLAT, (2, 2, 1))
     whole = even(left, rendered, normal, depth)
     part = (slice(10, 170), slice(5, 200))
-    inner = (slice(module.REACH, -module.REACH),) * 2
+    inner = (slice(REACH, -REACH),) * 2
     made = even(left[part], rendered[part], normal[part], depth[part])[inner]
     assert made.size and np.array_equal(made, whole[part][inner])
-    monkeypatch.setattr(module, "_PIXELS", 1)
-    assert np.array_equal(even(left, rendered, normal, depth), whole)
+
+
+def test_a_frame_of_several_strips_is_as_one():
+    left, rendered = noisy(np.tile(shadow(), (7, 35)))
+    normal, depth = np.tile(FACING, (7, 35, 1)), np.tile(FLAT, (7, 35, 1))
+    whole, part = even(left, rendered, normal, depth), (slice(100, 560), slice(1000, 1300))
+    inner = (slice(REACH, -REACH),) * 2
+    made = even(left[part], rendered[part], normal[part], depth[part])[inner]
+    assert made.size and np.array_equal(made, whole[part][inner])
+
+
+def test_any_threads_and_instructions_give_the_same_bytes():
+    left, rendered = noisy(shadow())
+    one = samples.even(left.copy(), rendered, FACING, FLAT, threads=1, simd=0)
+    assert np.array_equal(samples.even(left.copy(), rendered, FACING, FLAT, threads=5), one)
+    strange = np.array(left)
+    strange[3, 4], strange[20:22, 7] = np.nan, np.inf
+    made = samples.even(strange.copy(), rendered, FACING, FLAT)
+    assert np.isfinite(made[np.isfinite(strange)]).all()
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 9), (9, 1), (2, 3)])
+def test_small_pictures(size):
+    light = np.random.default_rng(1).random((*size, 3), np.float32)
+    made = even(light, light[::-1], np.tile(np.float32((0, 0, 1)), (*size, 1)), np.full((*size, 1), 5, np.float32))
+    assert made.shape == light.shape and np.isfinite(made).all()
 
 
 def test_huge_light_stays_as_it_is():

@@ -12,9 +12,10 @@ CSRC, ADDON = ROOT / "csrc", ROOT / "addon"
 INCLUDE = re.compile(r'^\s*#\s*include "([^"]+)"', re.MULTILINE)
 # What a room of csrc may include besides itself, base and encre.h.
 BELOW = {"base": set(), "edges": set(), "fine": {"edges"}, "ink": {"edges", "fine"}, "surface": {"edges", "fine"},
-         "tones": set(), "raster": set(), "chains": {"raster", "light"}, "light": set(), "material": set(),
-         "texture": {"edges"},
-         "api": {"edges", "fine", "ink", "surface", "tones", "raster", "chains", "light", "material", "texture"}}
+         "tones": set(), "paint": {"tones", "surface"}, "raster": set(), "chains": {"raster", "light", "texels"},
+         "light": set(), "material": set(), "texture": {"edges"}, "texels": set(), "samples": set(), "flat": set(),
+         "api": {"edges", "fine", "ink", "surface", "tones", "paint", "raster", "chains", "light", "material",
+                 "texture", "texels", "samples", "flat"}}
 INSIDE = {"inside.py", "staging.py", "inputs.py", "needed.py", "trust.py", "windowed.py"}  # what runs inside Blender
 
 

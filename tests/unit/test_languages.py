@@ -11,7 +11,7 @@ HOW = "run `make languages`, then fill what is \"\" in addon/languages/, in the 
 def test_the_texts_are_found_in_table_and_sources():
     labels, tips = languages.said()
     assert {"Hatching", "Sobel", "Smudge Range", "Line Group", "Reset All", "Subtract", "Mark Part", "Looks", "Tone",
-            "{} washes out ink", "In a Folder", "Apply Preset"} <= set(labels)
+            "{} washes out ink", "In a Folder", "Apply Look"} <= set(labels)
     assert {"Color of the ink", "Smooth paper", "Remove the chosen level", "The scene's settings",
             "Reset to the default value", "Paint Control"} - set(tips) == {"Paint Control"}
     assert len(labels) == len(set(labels)) > 160 and len(tips) > 160

@@ -129,6 +129,21 @@ def test_seen_lines_are_wanted_only_where_they_are_drawn():
         assert Settings(scene, [("", values) for values in styles]).wants_seen == wanted, scene
 
 
+def test_what_tells_how_images_part_into_colors():
+    """By it the live view and a redraw from memory know that lines must be found anew."""
+    look = {"edge_detector": "FINE", "line_color_strength": 1.0, "use_lines": True}
+    plain = Settings(look)
+    assert plain.color_lines == Settings(look | {"shade_strength": 0.5, "line_thickness": 9.0}).color_lines
+    for other in {"color_smooth": False}, {"contrast_metric": "HSL"}, {"contrast_hue": 0.3}:
+        assert plain.color_lines != Settings(look | other).color_lines, other
+        assert plain.layers_key != Settings(look | other).layers_key, other
+    for other in {"contrast_threshold": 0.2}, {"edge_threshold": 0.9}, {"line_color_strength": 2.0}:
+        assert plain.color_lines == Settings(look | other).color_lines, other
+        assert plain.color_least != Settings(look | other).color_least, other
+        assert plain.layers_key != Settings(look | other).layers_key, other
+    assert Settings(look | {"line_color_strength": 0.0}).color_lines is None
+
+
 def test_pictures_of_any_strides(passes):
     flipped = {name: np.ascontiguousarray(picture[::-1])[::-1] for name, picture in passes.items()}
     flat = {**passes, "Depth": passes["Depth"][..., 0], "IndexOB": passes["IndexOB"][..., 0]}
@@ -178,21 +193,15 @@ def test_nothing_is_where_only_shadows_are_caught():
     shape = 4, 6
     layers = {"combined": np.ones((*shape, 4), np.float32), "depth": np.full((*shape, 1), 1e10, np.float32),
               "color": np.ones((*shape, 3), np.float32), "normal": np.ones((*shape, 3), np.float32),
-              "object": np.zeros((*shape, 1), np.float32), "marks": np.full((*shape, 2), -0.5, np.float32),
-              "creases": np.ones((*shape, 5), np.float32)}
+              "object": np.zeros((*shape, 1), np.float32)}
     hidden = np.zeros(shape, bool)
     layers["object"][1:, 2:], layers["depth"][1:, 2:] = 3, 5
     hidden[1:, 2:5] = True  # in the last column something stands before it
-    layers["marks"][2, 2, 0] = 0.5  # drawn by hand
     overlay.hide(layers, hidden)
     assert layers["combined"].all()
     assert np.array_equal(layers["object"][..., 0] != 0, np.indices(shape)[1] * (np.indices(shape)[0] > 0) == 5)
     assert not layers["color"][:, 1:5].any(), "beside it too, where colours are averaged"
     assert layers["color"][:, 0].all() and layers["color"][1:, 5].all()
-    right, down = layers["marks"][..., 0], layers["marks"][..., 1]
-    assert right[2, 2] == 0.5 and (right[1:, 4] == -0.5).all() and (right[1:, 3] == 0).all()
-    assert (down[0, 5], down[1, 5], down[1, 3]) == (-0.5, -0.5, 0)
-    assert layers["creases"][1, 4, 0] and not layers["creases"][1, 3, :2].any() and layers["creases"][1, 3, 4]
 
 
 def test_light_is_denoised_without_a_word_of_textures(passes):
@@ -235,10 +244,8 @@ def test_saved_layers_are_preferred(passes):
     assert np.array_equal(made["diffuse"], passes["Encre Diffuse"])
     assert [made[k].mean() for k in ("object", "material", "style")] == [0.25, 1.25, 2.25]
     assert made["controls"].shape == (*SHAPE, len(library.controls()))
-    assert made["marks"].shape == (*SHAPE, 2)
     del passes["Combined"], passes["DiffDir"], passes["DiffInd"]
-    passes["Encre Marks"][:] = 0
-    assert "marks" not in assemble(passes, {})[0]
+    assert assemble(passes, {})[0]["object"].mean() == 0.25
 
 
 def test_values_that_are_no_numbers(passes):
@@ -274,7 +281,6 @@ def test_rasterised_layers():
     index = np.array([[0, 5, 5, 7, 9]], np.float32)
     maps = {"object": np.array([[0, 1, 2, 2, 2]], np.float32), "material": np.array([[0, 3, 4, 4, 4]], np.float32),
             "style": np.array([[0, 0, 1, 1, 1]], np.float32), "attributes": np.zeros((1, 5, 6), np.float32)}
-    maps["marks"] = np.full((1, 5, 2), 0.5, np.float32)
     maps["attributes"][0, :, 0], maps["attributes"][0, :, 5] = [0, 0.1, 0.2, 0.2, 0.2], [0, 1, 2, 2, 2]
     owners, numbers = np.array([0, 5, 5], np.float32), np.array([0, 50, 51], np.float32)
     maps = overlay.compact(maps)
@@ -285,21 +291,6 @@ def test_rasterised_layers():
         [[[0], [50], [51], [107], [109]]], [[[0], [3], [4], [0], [0]]], [[[0], [0], [1], [0], [0]]]]
     close(made["controls"][0, :, 0], np.array([0, 0.1, 0.2, 0, 0]))
     close(made["controls"][0, :, 5], np.array([0, 1, 2, 0, 0]))
-    # What the rasteriser did not draw may lie in front of a line.
-    assert made["marks"].tolist() == [[[0.5, 0.5], [0.5, 0.5], [0, 0.5], [0, 0], [0, 0]]]
-
-
-def test_no_mesh_tells_how_displaced_surfaces_bend():
-    """Of materials 0, 1 and 2 Cycles moves the second; contours stay, which are about right."""
-    material, one = np.array([[0, 0, 1, 1, 2]], np.uint8), np.ones((1, 5), np.uint8)
-    maps = dict(object=one, material=material, style=0 * one, marks=-np.ones((1, 5, 2), np.float32),
-                creases=np.full((1, 5, 5), 30, np.float16))
-    made = overlay.rasterised(5 * one, maps, np.array([0, 5]), np.array([0, 50]), np.negative,
-                              np.array([False, True, False]))
-    assert made["creases"][0, :, 4].tolist() == [30, 30, -1, -1, 30]
-    assert made["creases"][0, :, 0].tolist() == [30, 0, 0, 0, 30], "of ways to the right"
-    assert made["creases"][0, :, 2].tolist() == [30, 30, 0, 0, 30], "and down"
-    assert (made["marks"] == -1).all()
 
 
 def test_what_a_clear_part_hides_is_of_its_thing_s_usual_material():
@@ -326,8 +317,7 @@ def test_where_objects_coincide_the_rasteriser_says_which_is_there():
 
 def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
     none = np.zeros((2, 3), np.float32)
-    maps = {"object": none + 300, "material": none, "style": none, "attributes": np.zeros((2, 3, 6), np.float32),
-            "marks": np.zeros((2, 3, 2), np.float32)}
+    maps = {"object": none + 300, "material": none, "style": none, "attributes": np.zeros((2, 3, 6), np.float32)}
     made = overlay.compact(maps)
     assert made.keys() == {"object", "material", "style"} and made["object"].dtype == np.uint16
     assert overlay.rasterised(none, made, np.zeros(301), np.zeros(301), np.negative).keys() == {
@@ -336,8 +326,8 @@ def test_only_what_is_not_0_is_kept_of_what_was_rasterised():
 
 def test_files_keep_the_layers():
     random = np.random.default_rng(3)
-    names = ("combined", "diffuse", "object", "material", "style", "controls", "marks", "creases", "seen_depth",
-             "anchor", "tangent", "card")
+    names = ("combined", "diffuse", "object", "material", "style", "controls", "seen_depth", "anchor", "tangent",
+             "card")
     made = {name: random.uniform(-1, 1, (*SHAPE, library.LAYERS[name])).astype(np.float32) for name in names}
     packed = {name: saved.pack(name, made) for name in saved.passes()}
     assert {name: picture.shape[2] for name, picture in packed.items()} == {
@@ -347,14 +337,13 @@ def test_files_keep_the_layers():
     few = {name: made[name] for name in ("combined", "diffuse", "object", "material")}
     again = saved.unpack({name: saved.pack(name, few) for name in saved.passes(())})
     assert all(np.array_equal(again.pop(name), few[name]) for name in few)
-    assert (again.pop("creases") == (0, 0, 0, 0, -1)).all(), "no mesh tells of any pixel"
-    assert again.keys() == {"style", "controls", "marks"} and not any(picture.any() for picture in again.values())
+    assert again.keys() == {"style", "controls"} and not any(picture.any() for picture in again.values())
 
 
 def test_a_picture_from_its_bands(passes):
     for name, letters in saved.passes(()).items():
         passes[name] = np.zeros((*SHAPE, len(letters)), np.float32)
-    passes["Encre Index"][4:, :, 2] = passes["Encre Marks"][5:, :, 0] = 1
+    passes["Encre Index"][4:, :, 2] = 1
     del passes["Encre Source"], passes["Encre Diffuse"]
     scene, styles = {"shade_light": "DIRECT", "use_hatching": True}, [{"shade_light": "ALL"}]
     at_once, _ = assemble(passes, scene, styles)

@@ -10,15 +10,16 @@ import built
 import drawn
 import numpy as np
 import pytest
+from encre.pen import samples
 from encre.pen.background import Background
 from encre.pen.errors import EncreError
 from encre.pen.installed import LIBRARY
-from encre.pen.job import Frame, Lamp, Mesh
+from encre.pen.job import Frame, Lamp, Mesh, Picture
 from encre.pen.library import Library, load
 from encre.pen.scene import Scene
 
 ROOT = Path(__file__).resolve().parents[2]
-WRAPPED = ("malloc", "calloc", "free", "pthread_create")
+WRAPPED = ("malloc", "calloc", "realloc", "free", "pthread_create")
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def raster(library, _settings):
     points = np.random.default_rng(0).uniform(-1, 1, (60, 3)).astype(np.float32)
     mesh, matrix = Mesh(points, np.arange(60, dtype=np.int32).reshape(-1, 3), object_index=1), np.eye(4)
     return library.raster([mesh], matrix, matrix, Frame(40, 30), (40, 30), -1, -1, threads=3,
-                          outputs=("depth", "normal", "object", "marks", "creases", "coincident"))
+                          outputs=("depth", "normal", "object", "anchor", "coincident"))
 
 
 def chains(library, _settings):
@@ -58,6 +59,13 @@ def bake(library, settings):
     texture = np.random.default_rng(0).random((61, 90, 3), np.float32)
     form = np.tile(np.float32((1, 0, 2)), (61, 90, 1)) if not settings else None
     return {"texture": library.bake(texture, settings, form, threads=3).texture}
+
+
+def even(library, _settings):
+    rng = np.random.default_rng(0)
+    light, rendered, normal = (rng.random((61, 90, 3), np.float32) for _ in range(3))
+    work = samples.even_work(light, rendered, normal, np.ones((61, 90, 1), np.float32))
+    return {"light": library.run(work, threads=3)}
 
 
 def light(library, _settings):
@@ -84,12 +92,24 @@ def twice(library, settings):
     return behind.wait()[1].images
 
 
+def strokes(library, settings):
+    layers = drawn.scene(61, 37, n=6)
+    return {"points": library.strokes(layers, library.complete(library.check(settings)), threads=3)}
+
+
+def flatten(library, _settings):
+    texels = np.random.default_rng(0).integers(0, 256, (61 * 37, 4), np.uint8)
+    library.flatten(Picture(texels, 61, 37, curve=np.linspace(0, 1, 256, dtype=np.float32)), 4, threads=3)
+    return {"texels": texels}
+
+
 BEHIND = background, twice
-JOBS = [(background, {}), (twice, {}), (twice, dict(edge_detector="DOG", line_search="WALK")), (light, {}),
+JOBS = [(strokes, dict(pen_1_overshoot=30.0, pen_1_strokes=2)),
+        (background, {}), (twice, {}), (twice, dict(edge_detector="DOG", line_search="WALK")), (light, {}),
         (render, {}), (render, dict(edge_detector="SOBEL", line_search="NEAREST")),
         (render, dict(edge_detector="DOG", line_search="WALK")),
         (render, dict(edge_detector="DOG", line_search="DILATE", contrast_local=True)), (raster, {}), (chains, {}),
-        (bake, {}), (bake, dict(contrast_local=True))]
+        (bake, {}), (bake, dict(contrast_local=True)), (even, {}), (flatten, {})]
 
 
 @pytest.mark.parametrize("job, settings", JOBS)

@@ -80,7 +80,7 @@ def pictures(library):
                    rng.integers(0, 120, (200, 3)).astype(np.int32), object_index=k + 1) for k in range(3)]
     projection = np.array([[1.5, 0, 0, 0], [0, 2, 0, 0], [0, 0, -1, -0.2], [0, 0, -1, 0]])
     front = library.raster(meshes, np.eye(4), projection, Frame(120, 90), (120, 90), 0.1,
-                           outputs=("depth", "normal", "object", "marks", "creases"))
+                           outputs=("depth", "normal", "object"))
     made += front.values()
     operations = [library.operations[name][0] for name in ("place", "noise", "normal")]
     program = Program(np.array([[code, 3 * k, *[0] * 10] for k, code in enumerate(operations)], np.int32), 9,

@@ -3,6 +3,7 @@
 
 from ctypes import byref, c_void_p
 
+import numpy as np
 import pytest
 from encre.pen import abi
 from encre.pen.library import API_VERSION, load
@@ -102,7 +103,23 @@ def test_pictures_of_materials_have_their_levels(width, height, levels, wrap, ri
     picture.width, picture.height, picture.levels, picture.wrap = width, height, levels, wrap
     refused_if(not right, job, "^texture 0: is ")
     picture.texels = None
-    job.refused("^texture 0: is ")
+    job.refused("^texture 0: has neither")
+
+
+def test_pictures_of_materials_have_numbers_or_bytes():
+    job = Job("material")
+    picture = job.block.textures[0]
+    curve = np.zeros(256, np.float32)
+    picture.bytes, picture.curve = job.memory(4), curve.ctypes.data
+    job.refused("^texture 0: has neither")  # has both
+    picture.texels = None
+    job.run()
+    for bad in (-1, np.nan, np.inf):
+        curve[7] = bad
+        job.refused("^texture 0: has neither")
+    curve[:] = 0
+    picture.curve = None
+    job.refused("^texture 0: has neither")
 
 
 @pytest.mark.parametrize("field", ["n_programs", "n_textures", "n_constants", "n_things", "n_values"])

@@ -7,6 +7,7 @@ import bpy
 
 from .. import properties
 from .base import EncrePanel
+from .styles import draw_style
 
 
 def draw_block(layout, block, owner, scene):
@@ -19,11 +20,18 @@ def draw_block(layout, block, owner, scene):
             column.label(text="Offsets")
         for own in rows:
             if kind == "style":
-                column.prop_search(block.encre, own.id, scene.encre, "styles")
+                column.label(text=own.label)
+                row = column.row(align=True)
+                row.prop_search(block.encre, own.id, scene.encre, "styles", text="")
+                row.operator("encre.style_add", text="", icon="ADD").to = owner
+                if style := scene.encre.styles.get(block.encre.style):
+                    draw_style(layout.box(), scene.encre, style)
             else:
+                # Beside a number there is room for a dozen letters, at the width that Blender begins with.
+                column.use_property_split = kind == "text"
                 column.prop(block.encre, own.id)
         if kind == "share" and scene.encre.light_source != "DRAWN" and scene.encre.layer_source != "ENCRE":
-            column.label(text="Bends drawn light: set Layers › Light to Drawn", icon="INFO")
+            column.label(text="Bends drawn light: set Light to Drawn", icon="INFO")
 
 
 class _BlockPanel(EncrePanel):

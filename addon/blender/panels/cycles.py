@@ -20,23 +20,38 @@ def _adopt_panels(adopt):
         engines = getattr(panel, "COMPAT_ENGINES", ())
         if "CYCLES" in engines:
             (engines.add if adopt else engines.discard)(ENGINE)
-    # Before 5.0 this one asks for Cycles' name instead.
-    panel = getattr(bpy.types, "CYCLES_RENDER_PT_subdivision", None)
-    if panel and "poll" in vars(panel):
-        panel.poll = _subdivision_poll(panel.poll) if adopt else getattr(panel.poll, "original", panel.poll)
+    for name, condition in _ASKED.items():
+        if panel := getattr(bpy.types, name, None):
+            panel.poll = _poll(panel.poll, condition) if adopt else getattr(panel.poll, "original", panel.poll)
 
 
-def _subdivision_poll(original):
+def _experimental(context):
+    """Blender 5 has one feature set."""
+    return getattr(context.scene.cycles, "feature_set", "EXPERIMENTAL") == "EXPERIMENTAL"
+
+
+def _of_cycles(context):
+    """Encre's own view has neither passes nor a light of its own that could be chosen."""
+    shading = context.space_data.shading
+    return shading.type == "RENDERED" and shading.encre.source == "CYCLES"
+
+
+# What panels ask under Encre. Before 5.0 Subdivision asks for Cycles' name.
+_ASKED = {"CYCLES_RENDER_PT_subdivision": _experimental, "CYCLES_VIEW3D_PT_shading_render_pass": _of_cycles,
+          "CYCLES_VIEW3D_PT_shading_lighting": _of_cycles}
+
+
+def _poll(original, condition):
     def poll(_cls, context):
-        return original(context) or (context.engine == ENGINE and context.scene.cycles.feature_set == "EXPERIMENTAL")
+        return condition(context) if context.engine == ENGINE else original(context)
 
     poll.original = original
     return classmethod(poll)  # Blender crashes if it is any other kind of function
 
 
 def _draw_device(self, context):
-    """Cycles' own Device selector asks for its engine's name."""
-    if context.engine == ENGINE:
+    """Cycles' own Device selector asks for its engine's name. Fast has no use for it."""
+    if context.engine == ENGINE and context.scene.encre.layer_source == "CYCLES":
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False

@@ -7,7 +7,7 @@ from ..languages import n_
 # {kind: toggle of front.py}
 KINDS = {"outline": "outlines", "contact": "contacts", "inner": "inner", "crease": "creases",
          "intersection": "intersections", "suggestive": "folds", "material": "materials", "color": "colors",
-         "shadow": "shadows", "mirror": "mirrors", "mark": "marks"}
+         "shadow": "shadows", "mirror": "mirrors", "mark": "marks", "hidden": "hidden"}
 IDS = {*(f"line_{kind}_{what}" for kind in KINDS for what in ("width", "pen", "ink")), "ink_by_kind"}
 assert KINDS.keys() == set(LINES)
 
@@ -19,7 +19,7 @@ def draw(layout, scene):
     column = layout.column(align=True)
     _cells(column, n_("Kind"), n_("Width"), n_("Pen"), n_("Ink") if scene.ink_by_kind else "")
     for kind, toggle in KINDS.items():
-        split = column.split(factor=0.4, align=True)
+        split = column.split(factor=0.47, align=True)
         split.prop(scene, f"draw_{toggle}")
         row = split.row(align=True)
         row.active = getattr(scene, f"draw_{toggle}") and scene.use_lines
@@ -32,10 +32,11 @@ def draw(layout, scene):
             ink.ui_units_x = 2
             ink.prop(scene, f"line_{kind}_ink", text="")
     layout.prop(scene, "ink_by_kind")
+    layout.operator("encre.lines_to_grease_pencil", icon="GREASEPENCIL")
 
 
 def _cells(column, *texts):
-    split = column.split(factor=0.4, align=True)
+    split = column.split(factor=0.47, align=True)
     split.label(text=texts[0])
     row = split.row(align=True)
     for text in filter(None, texts[1:]):

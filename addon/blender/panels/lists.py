@@ -17,17 +17,20 @@ class ENCRE_UL_pens(bpy.types.UIList):
         layout.prop(scene, f"{item.identifier}_called", text="", emboss=False, icon="GREASEPENCIL")
 
 
-def tone_label(number, levels):
-    """What a level of light is called among so many."""
-    if number == len(TONES) < levels:
+def tone_label(number, levels, blacks=0):
+    """What the tone of a level of light is called among so many, before which are so many of blacks."""
+    if number <= blacks:
+        return iface_("{} Small Blacks", CONTEXT).format(number)
+    if number == len(TONES) < levels + blacks:
         return iface_("{} and up", CONTEXT).format(number)
-    ends = {1: iface_("{} Darkest", CONTEXT), levels: iface_("{} Brightest", CONTEXT)} if levels > 1 else {}
+    ends = {1 + blacks: iface_("{} Darkest", CONTEXT), levels + blacks: iface_("{} Brightest", CONTEXT)}
+    ends = ends if levels > 1 else {}
     return ends.get(number, "{}").format(number)
 
 
 class ENCRE_UL_tones(bpy.types.UIList):
     def filter_items(self, context, _data, _property):
-        levels = properties.level_count(context.scene.encre)
+        levels = properties.tone_count(context.scene.encre)
         return [self.bitflag_filter_item * (n < levels) for n in range(len(TONES))], []
 
     def draw_filter(self, _context, _layout):
@@ -36,17 +39,18 @@ class ENCRE_UL_tones(bpy.types.UIList):
     def draw_item(self, _context, layout, _data, item, _icon, scene, _active, index=0, _flag=0):
         split = layout.split(factor=0.55)
         named = split.row(align=True)
-        if index < len(scene.shade_levels):
+        blacks = properties.tones_of_blacks(scene)
+        if blacks <= index < blacks + len(scene.shade_levels):
             swatch = named.row()
             swatch.ui_units_x = 0.8
-            swatch.prop(scene.shade_levels[index], "tone", text="")
-        named.label(text=tone_label(index + 1, properties.level_count(scene)), translate=False)
+            swatch.prop(scene.shade_levels[index - blacks], "tone", text="")
+        named.label(text=tone_label(index + 1, properties.level_count(scene), blacks), translate=False)
         split.prop(scene, f"{item.identifier}_fill", text="", emboss=False)
 
 
 def chosen(scene, kind):
     """The slot that a list shows."""
-    most = len(slots.KINDS[kind]()) if kind == "pen" else min(properties.level_count(scene), len(TONES))
+    most = len(slots.KINDS[kind]()) if kind == "pen" else min(properties.tone_count(scene), len(TONES))
     return slots.KINDS[kind]()[min(getattr(scene, f"active_{kind}"), most - 1)]
 
 
@@ -56,7 +60,7 @@ def _name(scene, slot):
 
 
 class ENCRE_OT_slot_copy(bpy.types.Operator):
-    """Give the chosen one all settings of this one"""
+    """Copy all settings of this one to the chosen one"""
 
     bl_idname = "encre.slot_copy"
     bl_label = "Copy from Another"
@@ -86,7 +90,7 @@ class _CopyMenu:
 
     def draw(self, context):
         scene = context.scene.encre
-        for slot in slots.KINDS[self.kind]()[:len(TONES) if self.kind == "pen" else properties.level_count(scene)]:
+        for slot in slots.KINDS[self.kind]()[:len(TONES) if self.kind == "pen" else properties.tone_count(scene)]:
             if slot != chosen(scene, self.kind):
                 text = iface_("Copy from {}", CONTEXT).format(_name(scene, slot))
                 self.layout.operator("encre.slot_copy", text=text, translate=False, icon="COPYDOWN").source = slot.id
@@ -122,7 +126,7 @@ def draw_pens(layout, scene):
 
 def draw_tones(layout, scene):
     """What each level of light is filled with, and how that of the chosen one looks."""
-    _draw(layout, scene, "tone", min(max(properties.level_count(scene), 2), len(TONES)))
+    _draw(layout, scene, "tone", min(max(properties.tone_count(scene), 2), len(TONES)))
     tone = chosen(scene, "tone")
     layout.use_property_split = True
     layout.prop(scene, f"{tone.id}_fill", text="Tone")

@@ -68,10 +68,10 @@ class ENCRE_OT_strokes_to_marks(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     reach: bpy.props.FloatProperty(
-        name="Reach", description="How far strokes may be from the nearest surface; what is farther lands on what is "
-        "seen behind it", min=0, default=0.05, subtype="DISTANCE")
+        name="Reach", description="How far strokes may be from the nearest surface. Strokes farther away land on the "
+        "surface that is seen behind them", min=0, default=0.05, subtype="DISTANCE")
     keep: bpy.props.BoolProperty(
-        name="Keep Strokes", description="Keep annotations, and Grease Pencil objects to be seen")
+        name="Keep Strokes", description="Keep annotations, and keep Grease Pencil objects visible")
 
     @classmethod
     def poll(cls, context):

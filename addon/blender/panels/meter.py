@@ -32,7 +32,8 @@ class ENCRE_OT_meter(bpy.types.Operator):
         meshes.extract(depsgraph, False, None, light)
         found = subject.read(depsgraph, None, light)
         if not found.light > 0:
-            self.report({"ERROR"}, "no lamp and no world that can be drawn: there is no light to measure; add a lamp")
+            self.report({"ERROR"}, "there is no light to measure, neither a lamp nor a world that Encre can read; "
+                                   "add a lamp")
             return {"CANCELLED"}
         group = context.scene.encre
         for id_, value in (("meter_light", found.light), ("meter_shade", found.shade), ("shade_meter", "FIXED")):

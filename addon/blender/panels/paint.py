@@ -87,7 +87,7 @@ class ENCRE_OT_paint(_PaintOperator, bpy.types.Operator):
 
 
 class ENCRE_OT_control_fill(_PaintOperator, bpy.types.Operator):
-    """Give this control one value: in Edit Mode where it is selected, in Vertex Paint where the mask lets it"""
+    """Fill with one value: the whole mesh, in Edit Mode what is selected, in Vertex Paint what the mask lets through"""
 
     bl_idname = "encre.control_fill"
     bl_label = "Fill Control"
@@ -107,7 +107,7 @@ class ENCRE_OT_control_fill(_PaintOperator, bpy.types.Operator):
 
 
 class ENCRE_OT_control_reset(_PaintOperator, bpy.types.Operator):
-    """Take this control's paint off the selected meshes; what is being painted becomes neutral"""
+    """Take this control's paint off the selected meshes. If it is being painted, it becomes neutral"""
 
     bl_idname = "encre.control_reset"
     bl_label = "Reset Control"
@@ -119,7 +119,7 @@ class ENCRE_OT_control_reset(_PaintOperator, bpy.types.Operator):
         if mode == "PAINT_VERTEX" and painted(context) == control:
             painting.fill(context.object, control, 0.0, False)
         elif not sum(painting.remove(obj.data, control) for obj in objects):
-            self.report({"WARNING"}, f"{control.attribute}: these meshes have no such attribute")
+            self.report({"WARNING"}, f"{control.label}: nothing is painted on these meshes")
             return {"CANCELLED"}
         return {"FINISHED"}
 
@@ -237,9 +237,6 @@ class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout, obj = self.layout, context.object
         column, now = layout.column(align=True), painted(context)
-        split = column.split(factor=0.5)
-        split.label(text="Paint")
-        split.label(text="Offset")
         for control in library.controls().values():
             _row(column, context, control, control == now)
         if context.mode == "PAINT_VERTEX":
@@ -249,12 +246,11 @@ class ENCRE_PT_paint(SidebarPanel, bpy.types.Panel):
 
 
 def _row(column, context, control, pressed):
-    mesh, split = context.object.data, column.split(factor=0.5, align=True)
+    mesh, split = context.object.data, column.split(factor=0.65, align=True)
     there = control.attribute in mesh.attributes
     split.operator("encre.paint", text=control.label, depress=pressed,
                    icon="BRUSH_DATA" if there else "ADD").control = control.name
     row = split.row(align=True)
-    row.prop(context.object.encre, control.name, text="")
     row.operator("encre.control_fill", text="", icon="SNAP_FACE").control = control.name
     row.operator("encre.control_show", text="", icon="HIDE_OFF",
                  depress=shows(context, control.name)).control = control.name

@@ -26,13 +26,14 @@ def _wrong(mesh):
 
 
 class ENCRE_OT_pin_pattern(bpy.types.Operator):
-    """Keep where the surface rests now: drawn texture sticks to that however the mesh is bent, in the 3D view too"""
+    """Remember the mesh at rest: dots and hatching stick to it however it bends, in the 3D view, too"""
 
     bl_idname = "encre.pin_pattern"
     bl_label = "Pin Pattern"
     bl_options = {"REGISTER", "UNDO"}
 
-    clear: bpy.props.BoolProperty(name="Clear", description="Let texture stick to the mesh as it is again")
+    clear: bpy.props.BoolProperty(
+        name="Clear", description="Forget that again: dots and hatching stick to the mesh as it is")
 
     @classmethod
     def poll(cls, context):

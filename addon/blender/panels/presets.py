@@ -32,7 +32,7 @@ class _PresetOperator:
 
 class ENCRE_OT_preset(_PresetOperator, bpy.types.Operator):
     bl_idname = "encre.preset"
-    bl_label = "Apply Preset"
+    bl_label = "Apply Look"
     bl_options = {"REGISTER", "UNDO"}
 
     preset: bpy.props.StringProperty(name="Preset", options={"HIDDEN"})
@@ -79,10 +79,10 @@ class ENCRE_OT_look_step(bpy.types.Operator):
 
 
 class ENCRE_OT_preset_save(_PresetOperator, bpy.types.Operator):
-    """Save how the scene looks, without images and the panel Layers, with the last render as the picture"""
+    """Save how the scene looks, with the last render as its picture, without images and Layers and Quality"""
 
     bl_idname = "encre.preset_save"
-    bl_label = "Save Preset"
+    bl_label = "Save Look"
     bl_options = {"UNDO"}
 
     name: bpy.props.StringProperty(name="Name", description="One of yours with this name is overwritten")
@@ -104,10 +104,10 @@ class ENCRE_OT_preset_save(_PresetOperator, bpy.types.Operator):
 
 
 class ENCRE_OT_preset_remove(_PresetOperator, bpy.types.Operator):
-    """Delete this preset and its picture"""
+    """Delete this look and its picture"""
 
     bl_idname = "encre.preset_remove"
-    bl_label = "Delete Preset"
+    bl_label = "Delete Look"
     bl_options = {"INTERNAL"}
 
     preset: bpy.props.StringProperty(options={"HIDDEN"})
@@ -131,26 +131,26 @@ class _FileOperator(_PresetOperator):
 
 
 class ENCRE_OT_preset_import(_FileOperator, bpy.types.Operator):
-    """Add a preset from a file, with the picture beside it, to yours"""
+    """Add a look from a file, with the picture beside it, to yours"""
 
     bl_idname = "encre.preset_import"
-    bl_label = "Import Preset"
+    bl_label = "Import Look"
     bl_options = {"INTERNAL"}
 
     def do(self, _context):
         preset = presets.read(Path(self.filepath))
         path = folder() / presets.file_name(preset.name)
         if path.exists():
-            raise EncreError(f"{preset.name} is one of your presets already; delete that first")
+            raise EncreError(f"{preset.name} is one of your looks already; delete that first")
         presets.copy(preset, path)
-        return f"{preset.name} is one of your presets now"
+        return f"{preset.name} is one of your looks now"
 
 
 class ENCRE_OT_preset_export(_FileOperator, bpy.types.Operator):
-    """Write this preset to a file, and its picture beside it, for others"""
+    """Write this look to a file, and its picture beside it, for others"""
 
     bl_idname = "encre.preset_export"
-    bl_label = "Export Preset"
+    bl_label = "Export Look"
     bl_options = {"INTERNAL"}
 
     preset: bpy.props.StringProperty(options={"HIDDEN"})
@@ -166,7 +166,7 @@ class ENCRE_OT_preset_export(_FileOperator, bpy.types.Operator):
 
 
 class ENCRE_MT_looks(bpy.types.Menu):
-    """Save this look, take one from a file, and what there is to do with your own"""
+    """Save this look, import one from a file, export or delete your own"""
 
     bl_label = "Looks"
 

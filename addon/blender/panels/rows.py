@@ -3,7 +3,9 @@
 
 import functools
 
+from ...pen import denoise
 from ...pen.params import terms
+from .. import versions
 from ..languages import CONTEXT, iface_
 from . import presets, settings
 from .levels import draw_levels
@@ -32,12 +34,17 @@ def draw_params(layout, group, params, path, label=None):
     for p in params:
         line = layout.row(align=True)
         row = line.column()
-        row.active = enabled(group, p.enabled_if)
+        noisy = p.id == "light_denoise" and not denoise.available(versions.home())
+        row.active = enabled(group, p.enabled_if) and not noisy
         if p.type == "levels":
             draw_levels(row, group, path)
         elif p.type == "image":
             row.template_ID(group, p.id, open="image.open", text=label(p))
+        elif noisy:
+            row.label(text=iface_("{}: this Blender has none", CONTEXT).format(label(p)), translate=False)
         else:
+            # Beside a number there is room for a dozen letters, at the width that Blender begins with.
+            row.use_property_split = p.type not in ("float", "int", "bool")
             row.prop(group, p.id, text=label(p), translate=False)
         if path == "scene":
             settings.draw_reset(line, group, p, preset)

@@ -69,7 +69,7 @@ class ENCRE_OT_settings_copy(_SettingsOperator, bpy.types.Operator):
 
 
 class ENCRE_OT_settings_paste(_SettingsOperator, bpy.types.Operator):
-    """Take all settings that were copied, a scene also the styles; a style changes what differs from its scene"""
+    """Paste what was copied: a scene also gets the styles, a style only what differs from its scene"""
 
     bl_idname = "encre.settings_paste"
     bl_label = "Paste Settings"
@@ -115,7 +115,7 @@ class ENCRE_OT_reset(_SettingsOperator, bpy.types.Operator):
         preset = presets.current(context.scene)
         if preset is None:
             return tip_("Reset to the default value")
-        return tip_("Reset to the value of the preset {}").format(preset.name)
+        return tip_("Reset to the value of the look {}").format(preset.name)
 
     def execute(self, context):
         params, preset = library.params(), presets.current(context.scene)

@@ -52,7 +52,8 @@ GROUPS = (
               Fold("strength", n_("Strength of Lines"), (
                   "line_outline_strength", "line_inner_strength", "line_crease_strength", "crease_bumps",
                   "line_material_strength", "line_color_strength", "line_shadow_strength",
-                  "line_suggestive_strength", "line_mirror_strength", "line_mark_strength")),
+                  "line_suggestive_strength", "line_mirror_strength", "line_mark_strength", "line_hidden_strength",
+                  "hidden_most")),
               Fold("small", n_("Small and Crowded Lines"), (
                   "line_shortest", "line_color_shortest", "line_shadow_shortest", "line_mirror_shortest",
                   "line_suggestive_shortest",
@@ -68,27 +69,30 @@ GROUPS = (
           "use_lines", kinds.draw),
     Group("pens", n_("Pens"), ("pen_1", "pen_2", "pen_3"), draw=lists.draw_pens),
     Group("shade", n_("Shade and Light"), ("shade",),
-          ("shade_levels", "shade_tint", "shade_tint_weight", "shade_saturation", "shade_strength", "shade_exposure",
+          ("shade_levels", "shade_tint", "shade_tint_weight", "shade_saturation", "shade_beyond", "shade_strength",
+           "shade_exposure",
            "shade_meter", "meter_light", "meter_shade"), (
               Fold("rim", n_("Rim Light"), stage="rim", draw=_rim_lamp),
               Fold("highlights", n_("Highlights and Reflections"), (
                   "other_light", "other_background", "other_highlights", "highlight_shape", "highlight_threshold",
-                  "highlight_transition", "highlight_color", "other_reflections", "reflection_tones", "other_glow"))),
+                  "highlight_color", "other_reflections", "reflection_tones", "other_glow"))),
           "use_shading", meter.draw),
     Group("tones", n_("Tones (Screentone)"), (), (), (
         Fold("all_tones", n_("All Tones"), stage="tones"), Fold("specks", n_("Fill Specks"), stage="specks")),
         "use_tones", lists.draw_tones),
-    Group("colors", n_("Color and Paint"), (), ("surface", "paper_color"), (
-        Fold("example", n_("By Example"), stage="example"), Fold("wash", n_("Wash"), stage="wash"),
-        Fold("smudge", n_("Smudging"), stage="smudge"))),
+    Group("colors", n_("Color and Paint"), (), ("surface", "paper_color", "flat_colors"), (
+        Fold("gouache", n_("Gouache"), stage="gouache"), Fold("wash", n_("Watercolor"), stage="wash"),
+        Fold("example", n_("By Example"), stage="example"),
+        Fold("print", n_("Print"), stage="print"), Fold("smudge", n_("Smudging"), stage="smudge"))),
     Group("paper", n_("Paper"), ("paper",), (
         "paper_source", "paper_image", "paper_scale", "paper_roughness", "paper_seed"), (
-        Fold("hatch", n_("Pencil Hatching"), stage="hatch"),)),
+        Fold("hatch", n_("Pencil Hatching"), stage="hatch"), Fold("relief", n_("Sheet"), stage="relief"))),
     Group("layers", n_("Layers and Quality"), ("layers",),
           ("layer_source", "light_source", "supersample", "world_shadows"), draw=layers.draw),
     Group("detectors", n_("Detectors of the Theses"), (), (
         "edge_detector", "edge_threshold", "edge_blur", "depth_space", "depth_near", "depth_far",
-        "sobel_crease_threshold", "color_layer", "color_detector", "contrast_metric", "contrast_threshold",
+        "sobel_crease_threshold", "color_layer", "color_detector", "contrast_metric",
+        "contrast_hue", "contrast_saturation", "contrast_lightness", "contrast_threshold",
         "contrast_full", "contrast_local", "contrast_window", "line_search", "line_occlude", "crease_source")),
 )
 # What is drawn by other means than a row: the switches, which are check boxes, and what kinds.draw() shows.

@@ -5,7 +5,7 @@ import bpy
 
 from ...pen import library, slots
 from .. import pens, properties
-from ..languages import CONTEXT, iface_
+from ..languages import CONTEXT, iface_, n_
 from . import settings
 from .base import EncrePanel
 from .rows import draw_params
@@ -16,6 +16,13 @@ class ENCRE_UL_styles(bpy.types.UIList):
         layout.prop(item, "name", text="", emboss=False, icon="BRUSH_DATA")
 
 
+def _users(context, to):
+    """What a new style is for."""
+    if to == "material":
+        return [context.material]
+    return context.selected_objects if context.object in context.selected_objects else [context.object]
+
+
 class ENCRE_OT_style_add(bpy.types.Operator):
     """Add a style that objects and materials can use; it changes nothing yet"""
 
@@ -23,10 +30,21 @@ class ENCRE_OT_style_add(bpy.types.Operator):
     bl_label = "Add Style"
     bl_options = {"UNDO"}
 
+    to: bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # "", "object" or "material"
+
+    @classmethod
+    def description(cls, _context, properties):
+        return {"object": n_("Add a style and give it to the selected objects"),
+                "material": n_("Add a style and give it to the material")}.get(properties.to, cls.__doc__)
+
     def execute(self, context):
-        scene = context.scene.encre
-        scene.styles.add().name = "Style"
+        scene, owner = context.scene.encre, self.to and getattr(context, self.to)
+        style = scene.styles.add()
+        style.name = owner.name if owner else "Style"
         scene.active_style = len(scene.styles) - 1
+        for block in _users(context, self.to) if owner else ():
+            if block.library is None:
+                block.encre.style = style.name
         return {"FINISHED"}
 
 
@@ -64,6 +82,11 @@ def _surface_params(_self, context):
     return _offered
 
 
+def _meant(context, name):
+    """The style of this name; "": the one that is chosen in the list."""
+    return context.scene.encre.styles[name] if name else settings.active_style(context.scene)
+
+
 class ENCRE_OT_style_store(bpy.types.Operator):
     """Let this style have its own value of a setting"""
 
@@ -73,6 +96,7 @@ class ENCRE_OT_style_store(bpy.types.Operator):
     bl_property = "param"
 
     param: bpy.props.EnumProperty(name="Setting", items=_surface_params)
+    style: bpy.props.StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
@@ -83,9 +107,8 @@ class ENCRE_OT_style_store(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context):
-        scene = context.scene.encre
         value = properties.scene_values(context.scene)[self.param]
-        properties.set_value(scene.styles[scene.active_style], self.param, value)
+        properties.set_value(_meant(context, self.style), self.param, value)
         return {"FINISHED"}
 
 
@@ -97,10 +120,22 @@ class ENCRE_OT_style_forget(bpy.types.Operator):
     bl_options = {"UNDO", "INTERNAL"}
 
     param: bpy.props.StringProperty()
+    style: bpy.props.StringProperty(options={"SKIP_SAVE"})
 
     def execute(self, context):
-        properties.unset_value(settings.active_style(context.scene), self.param)
+        properties.unset_value(_meant(context, self.style), self.param)
         return {"FINISHED"}
+
+
+def draw_style(layout, scene, style):
+    """What a style changes, and a way to change more."""
+    for p in library.params().values():
+        if p.scope == "surface" and properties.stores(style, p):
+            row = layout.row()
+            draw_params(row.column(), style, (p,), "style", lambda p: _label(scene, p))
+            forget = row.operator("encre.style_forget", text="", icon="X", emboss=False)
+            forget.param, forget.style = p.id, style.name
+    layout.operator("encre.style_store", icon="ADD").style = style.name
 
 
 class ENCRE_PT_styles(EncrePanel, bpy.types.Panel):
@@ -121,12 +156,7 @@ class ENCRE_PT_styles(EncrePanel, bpy.types.Panel):
             return
         buttons.separator()
         buttons.menu("ENCRE_MT_style_settings", text="", icon="DOWNARROW_HLT")
-        for p in library.params().values():
-            if p.scope == "surface" and properties.stores(style, p):
-                row = layout.row()
-                draw_params(row.column(), style, (p,), "style", lambda p: _label(scene, p))
-                row.operator("encre.style_forget", text="", icon="X", emboss=False).param = p.id
-        layout.operator("encre.style_store", icon="ADD")
+        draw_style(layout, scene, style)
 
 
 CLASSES = (ENCRE_UL_styles, ENCRE_OT_style_add, ENCRE_OT_style_remove, ENCRE_OT_style_store, ENCRE_OT_style_forget,

@@ -15,9 +15,9 @@ def check(scene):
     """Raises EncreError where there are no lines between colors that could be in textures."""
     if not (scene.encre.use_lines and scene.encre.line_color_strength and scene.encre.line_color_width):
         raise EncreError("the scene draws no lines between colors, which are what is compared; add --preset "
-                         "inter_color, or apply the preset Inter-color")
+                         "inter_color, or choose the look Inter-color")
     if not bake.tasks(scene.objects):
-        raise EncreError("no object of the scene shows a colour image, so there is nothing to bake lines into; give a "
+        raise EncreError("no object of the scene shows a color image, so there is nothing to bake lines into; give a "
                          "material an image texture")
     pixels_per_metre(scene)
 

@@ -91,9 +91,9 @@ class Room:
 
     @classmethod
     def of(cls, scene, stops, near):
-        """scene: a fast.Scene; stops: places where the camera has been, all of them inside; near: where its clipping
-        starts. To each side the room goes as far as half of the looks from there do; where these meet nothing, to the
-        last stop."""
+        """scene: a fast_scene.Scene; stops: places where the camera has been, all of them inside; near: where its
+        clipping starts. To each side the room goes as far as half of the looks from there do; where these meet nothing,
+        to the last stop."""
         points, corners = [np.zeros((0, 3))], [np.zeros((0, 3), int)]
         for mesh in scene.objects.meshes:
             if mesh.kind != "triangles" or mesh.corners is None:

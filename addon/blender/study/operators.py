@@ -55,7 +55,8 @@ class ENCRE_OT_study(bpy.types.Operator):
     bl_options = {"REGISTER"}
 
     directory: bpy.props.StringProperty(name="Folder", subtype="DIR_PATH", default="//study/",
-                                        options=versions.BLEND_RELATIVE, description="Where a file of each person goes")
+                                        options=versions.BLEND_RELATIVE,
+                                        description="Folder for the file of each person")
     left: bpy.props.StringProperty(name="One Look", default="dynamic", description=(
         "dynamic: the scene as it is; baked: lines between colors in the textures; plain; or a preset"))
     right: bpy.props.StringProperty(name="Other Look", default="baked", description=(

@@ -43,8 +43,8 @@ def named(name):
 
 
 class _Both:
-    """What is read and drawn for the settings of several looks at once. painted: the fast.Scene whose textures have
-    lines in them, if a look wants it."""
+    """What is read and drawn for the settings of several looks at once. painted: the fast_scene.Scene whose textures
+    have lines in them, if a look wants it."""
 
     def __init__(self, of):
         self.of, self.painted = of, None
@@ -57,6 +57,19 @@ class _Both:
     def rastered(self):
         return tuple(dict.fromkeys(name for settings in self.of for name in settings.rastered))
 
+    @cached_property
+    def hidden(self):
+        return max(settings.hidden for settings in self.of)
+
+    @cached_property
+    def flat(self):
+        """Images are as they are where a look has them so: all looks are drawn from the same."""
+        return tuple(min(most) for most in zip(*(settings.flat for settings in self.of), strict=True))
+
+    @cached_property
+    def layers_key(self):
+        return tuple(settings.layers_key for settings in self.of)
+
     def turns(self, frame):
         return frozenset().union(*(settings.turns(frame) for settings in self.of))
 
@@ -64,7 +77,7 @@ class _Both:
         return {chosen: pixels for settings in self.of for chosen, pixels in settings.load(read).items()}
 
     def __getattr__(self, name):
-        if name not in ("wants_edges", "wants_seen", "wants_anchor", "wants_tangent", "wants_card", "shadows_world"):
+        if not name.startswith("wants_") and name != "shadows_world":
             raise AttributeError(name)
         return any(getattr(settings, name) for settings in self.of)
 
@@ -88,7 +101,7 @@ class Quadrants(live.View):
         super().__init__(engine, threads)
         self.stage = type(self).stage
         self.thickness = None
-        self.painted = {}  # thickness -> fast.Scene whose textures have lines in them
+        self.painted = {}  # thickness -> fast_scene.Scene whose textures have lines in them
         self.film = self.filmed = None  # the picture of a flight that was drawn beforehand, and its textures
 
     # What is seen

@@ -11,19 +11,35 @@ static const float nearer = 0.01f; /* of the depth: what lies so much nearer cov
 /* Px: what is thinner may lie between the centres of pixels, and the layers can't tell. */
 static const float too_thin = 2;
 
+/* Depths, inverted where that is even on planes. */
+static float even_depth(const frame *f, float z)
+{
+	return f->camera.orthographic ? z : 1 / z;
+}
+
+/* Whether what it is of lies as deep at pixels about its own, or would, going on from there: of ground at a grazing
+ * angle one pixel is much deeper than the next. */
 static bool shows(const frame *f, int x, int y, const station *t)
 {
-	if (x < 0 || y < 0 || x >= f->width || y >= f->height)
-		return false;
-	bool own = !f->layer[ENCRE_LAYER_OBJECT].data || object_at(f, x, y) == (float)t->object;
-	return own && fabsf(depth_at(f, x, y) - t->depth) <= depth_differs * fabsf(t->depth);
+	float low = INFINITY, high = -INFINITY, own = even_depth(f, t->depth), differs = depth_differs * fabsf(own);
+	for (int k = 0; k < 9; k++) {
+		int qx = x + k % 3 - 1, qy = y + k / 3 - 1;
+		if (qx < 0 || qy < 0 || qx >= f->width || qy >= f->height ||
+		    (f->layer[ENCRE_LAYER_OBJECT].data && object_at(f, qx, qy) != (float)t->object) ||
+		    !(depth_at(f, qx, qy) < INFINITY))
+			continue;
+		float its = even_depth(f, depth_at(f, qx, qy));
+		low = min(low, its);
+		high = max(high, its);
+	}
+	return low <= high && own >= 2 * low - high - differs && own <= 2 * high - low + differs;
 }
 
 /* Whether something lies before it whose lines are not told by chains, and which no mesh hides it by as it is drawn. */
 static bool is_covered(const frame *f, int x, int y, const station *t)
 {
 	float number = object_at(f, x, y);
-	bool told = number >= 0 && number < (float)f->n_chained && f->chained[(int64_t)number];
+	bool told = number >= 0 && number < (float)f->n_chained && (f->chained[(int64_t)number] & 1);
 	return f->layer[ENCRE_LAYER_OBJECT].data && !told && depth_at(f, x, y) < (1 - nearer) * t->depth;
 }
 
@@ -38,12 +54,10 @@ static void compare(void *data, int first, int end, int thread)
 		bool inside = x >= 0 && y >= 0 && x <= f->width - 1 && y <= f->height - 1;
 		bool thin = t->importance == IMPORTANCE_CONTOUR && t->apart < max(too_thin * f->scale, 2);
 		t->tells = inside && !thin && !(t->flags & STATION_NONE) && !(t->kind & ENCRE_CHAIN_MARK);
-		t->agrees = false;
 		int px = pixel_of((float)x, f->width), py = pixel_of((float)y, f->height);
 		if (inside && is_covered(f, px, py, t))
 			t->flags |= STATION_HIDDEN;
-		for (int k = 0; t->tells && k < 9 && !t->agrees; k++)
-			t->agrees = shows(f, px + k % 3 - 1, py + k / 3 - 1, t);
+		t->agrees = t->tells && shows(f, px, py, t);
 	}
 }
 

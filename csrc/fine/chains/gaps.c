@@ -94,7 +94,7 @@ static void keep_away(void *data, int first, int end, int thread)
 int32_t ISA(chains_keep_away)(fine *n)
 {
 	keeping k = {.n = n};
-	uint32_t chains = n->chains[0] + n->chains[1];
+	uint32_t chains = chain_sites(n);
 	for (uint32_t i = 0; i < chains; i++)
 		k.most = max(k.most, n->chain[i].keeps_away);
 	if (!(k.most > 0))

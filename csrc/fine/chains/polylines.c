@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From stations to sites and links between them: finished lines, which later passes leave alone and all others yield
  * to. */
+#include "base/between.h"
 #include "fine/chains/stations.h"
 
 #include <string.h>
@@ -18,9 +19,10 @@ static const uint32_t no_site = UINT32_MAX;
 
 /* ---- sites ----------------------------------------------------------------------------------------------- */
 
-static bool is_shape(const station *t)
+/* Which of the families of chains a site is of, from the first. */
+static int family_of(const station *t)
 {
-	return t->source != SOURCE_NORMAL && t->source != SOURCE_MARK;
+	return t->source == SOURCE_COLOR ? 2 : t->source == SOURCE_NORMAL || t->source == SOURCE_MARK ? 1 : 0;
 }
 
 static bool has_site(const stations *s, const station *t)
@@ -47,6 +49,14 @@ static void tell_thin(const station *t, bool row, site *made)
 	made->linked.tapers = t->tapers;
 }
 
+/* Why its run ends there. */
+static uint8_t end_of(const stations *s, const station *t)
+{
+	const int64_t *run = s->run[t->run];
+	int64_t at = t->flags & STATION_FIRST ? run[0] : run[1] - 1;
+	return t->flags & (STATION_FIRST | STATION_LAST) ? (uint8_t)s->point[at].end : ENCRE_END_NONE;
+}
+
 static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
 {
 	const station *t = s->at + i;
@@ -58,7 +68,7 @@ static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
 						   : pixel_of(x, f->width)),
 			  .row = (uint16_t)(row ? pixel_of(y, f->height)
 						: clamp_index((int)floorf(y), f->height - (f->height > 1))),
-			  .family = is_shape(t) ? FAMILY_CHAIN_SHAPE : FAMILY_CHAIN_CREASE,
+			  .family = (uint8_t)(FAMILY_CHAIN_SHAPE + family_of(t)),
 			  .axis = row ? AXIS_ROW : AXIS_COLUMN},
 		.placed = {.x = x,
 			   .y = y,
@@ -80,7 +90,8 @@ static void make_site(const stations *s, uint32_t i, site *made, chain_site *of)
 			   .object = t->object,
 			   .kind = t->kind,
 			   .folded = t->importance == IMPORTANCE_CONTOUR && is_folded(t),
-			   .tied = (t->flags & STATION_TIED) != 0};
+			   .tied = (t->flags & STATION_TIED) != 0,
+			   .end = end_of(s, t)};
 	ISA(gap_of)(s, t, of);
 }
 
@@ -96,28 +107,28 @@ static void add_link(fine *n, uint32_t a, uint32_t b)
 static int32_t make_sites(stations *s)
 {
 	fine *n = s->n;
-	uint32_t *number = late_take(&n->f->late, s->count, sizeof *number), shapes = 0, creases = 0;
+	uint32_t *number = late_take(&n->f->late, s->count, sizeof *number), count[CHAIN_FAMILIES] = {0};
 	if (!number)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < s->count; i++) {
 		code = at_step(n, i);
-		number[i] = !has_site(s, s->at + i) ? no_site : is_shape(s->at + i) ? shapes++ : creases++;
+		number[i] = has_site(s, s->at + i) ? count[family_of(s->at + i)]++ : no_site;
 	}
 	if (code)
 		return code;
-	n->chains[0] = shapes;
-	n->chains[1] = creases;
-	n->chain_made = late_take(&n->f->late, shapes + creases, sizeof *n->chain_made);
-	n->chain = late_take(&n->f->late, shapes + creases, sizeof *n->chain);
-	n->chain_link = late_take(&n->f->late, 2 * ((size_t)shapes + creases), sizeof *n->chain_link);
+	memcpy(n->chains, count, sizeof count);
+	n->chain_made = late_take(&n->f->late, chain_sites(n), sizeof *n->chain_made);
+	n->chain = late_take(&n->f->late, chain_sites(n), sizeof *n->chain);
+	n->chain_link = late_take(&n->f->late, 2 * (size_t)chain_sites(n), sizeof *n->chain_link);
 	if (!n->chain_made || !n->chain || !n->chain_link)
 		return ENCRE_ERROR_MEMORY;
 	for (uint32_t i = 0; !code && i < s->count; i++) {
 		code = at_step(n, i);
 		if (number[i] == no_site)
 			continue;
-		number[i] += is_shape(s->at + i) ? 0 : shapes;
+		for (int k = 0; k < family_of(s->at + i); k++)
+			number[i] += count[k];
 		make_site(s, i, n->chain_made + number[i], n->chain + number[i]);
 		/* where a run stops being a line, as others go on in its place, it may meet these */
 		n->chain[number[i]].tied |=
@@ -142,6 +153,18 @@ static int32_t make_sites(stations *s)
 	return code;
 }
 
+/* Where colours may step: at joints that meshes tell. */
+static int32_t find_joints(fine *n)
+{
+	if (!n->e->on[SOURCE_COLOR])
+		return ENCRE_OK;
+	n->joints = late_take(&n->f->late, 2 * (size_t)n->f->width * (size_t)n->f->height, sizeof *n->joints);
+	if (!n->joints)
+		return ENCRE_ERROR_MEMORY;
+	between_contours(n->f, n->joints);
+	return ENCRE_OK;
+}
+
 int32_t ISA(chains_find)(fine *n)
 {
 	stations s = {.n = n, .px = room_px(n, 1), .point = n->f->chains, .points = n->f->n_chains};
@@ -158,6 +181,7 @@ int32_t ISA(chains_find)(fine *n)
 	code = code ? code : ISA(stations_give_way)(&s);
 	code = code ? code : ISA(stations_drop_fragments)(&s);
 	code = code ? code : ISA(chains_replace)(&s);
+	code = code ? code : find_joints(n);
 	code = code ? code : ISA(stations_smooth)(&s);
 	code = code ? code : make_sites(&s);
 	late_drop(&n->f->late, s.mean);
@@ -194,7 +218,7 @@ static uint32_t met_by(const fine *n, uint32_t i)
 /* Which way a run goes on at its end, of length 1; false: it has none. */
 static bool way_on(const fine *n, uint32_t i, float way[2])
 {
-	uint32_t count = n->chains[0] + n->chains[1], back = i;
+	uint32_t count = chain_sites(n), back = i;
 	for (int step = -1; step <= 1; step += 2)
 		for (uint32_t j = i; (step < 0 ? j > 0 : j + 1 < count);) {
 			j = step < 0 ? j - 1 : j + 1;
@@ -237,7 +261,7 @@ static uint32_t faces(const fine *n, uint32_t i, const uint32_t *met)
 
 int32_t ISA(chains_link)(fine *n)
 {
-	uint32_t count = n->chains[0] + n->chains[1], links = n->chain_links;
+	uint32_t count = chain_sites(n), links = n->chain_links;
 	uint32_t *met = late_take(&n->f->late, count, sizeof *met);
 	if (!met)
 		return ENCRE_ERROR_MEMORY;

@@ -6,6 +6,7 @@
 
 /* Of the depth: what lies so much nearer hides what is behind, and the line is its own. */
 static const float nearer = 0.01f;
+enum { REPLACED = 1, REPLACED_COLORS = 2 }; /* of fine.replaced */
 enum { AROUND = 2 /* pixels about a place where the layers show something else */, ROWS = 16 };
 
 /* ---- pixels ---------------------------------------------------------------------------------------------- */
@@ -20,9 +21,9 @@ static void replace_rows(void *data, int y0, int y1, int thread)
 		const float *object = layer_row(f, ENCRE_LAYER_OBJECT, y);
 		for (int x = 0; x < f->width; x++) {
 			float number = object ? object[x] : 0;
-			bool there = depth_at(f, x, y) < INFINITY,
-			     some = number >= 0 && number < (float)f->n_chained && f->chained[(int64_t)number];
-			out[x] = !there || some;
+			bool there = depth_at(f, x, y) < INFINITY, known = number >= 0 && number < (float)f->n_chained;
+			out[x] = known ? f->chained[(int64_t)number] & (REPLACED | REPLACED_COLORS) : 0;
+			out[x] |= there ? 0 : REPLACED;
 		}
 	}
 }
@@ -60,14 +61,31 @@ static int replaced_between(const fine *n, int x, int y, int axis)
 	int qx = x + !axis, qy = y + axis;
 	if (qx >= f->width || qy >= f->height)
 		return 0;
-	bool one = n->replaced[(ptrdiff_t)y * f->width + x], two = n->replaced[(ptrdiff_t)qy * f->width + qx];
-	int all = mark_of(FAMILY_MARK, axis) | mark_of(FAMILY_CREASE, axis) | mark_of(FAMILY_CRACK, axis);
+	bool one = n->replaced[(ptrdiff_t)y * f->width + x] & REPLACED,
+	     two = n->replaced[(ptrdiff_t)qy * f->width + qx] & REPLACED;
+	int own_mark = mark_of(FAMILY_CRACK, axis);
 	float a = depth_at(f, x, y), b = depth_at(f, qx, qy);
 	if (!one || !two) {
 		float own = one ? a : b, other = one ? b : a;
-		return one != two && own * (1 + nearer) < other ? all : 0;
+		return one != two && own * (1 + nearer) < other ? own_mark : 0;
 	}
-	return all;
+	return own_mark;
+}
+
+/* Whether all about a pixel is of one object and material whose images tell where its colors part. */
+static bool is_colored(const fine *n, int x, int y)
+{
+	const frame *f = n->f;
+	if (!(n->replaced[(ptrdiff_t)y * f->width + x] & REPLACED_COLORS))
+		return false;
+	for (int k = 0; k < 9; k++) {
+		int qx = clamp_index(x + k % 3 - 1, f->width), qy = clamp_index(y + k / 3 - 1, f->height);
+		const float *material[2] = {layer_row(f, ENCRE_LAYER_MATERIAL, y),
+					    layer_row(f, ENCRE_LAYER_MATERIAL, qy)};
+		if (object_at(f, qx, qy) != object_at(f, x, y) || (material[0] && material[0][x] != material[1][qx]))
+			return false;
+	}
+	return true;
 }
 
 static void leave_rows(void *data, int y0, int y1, int thread)
@@ -81,12 +99,17 @@ static void leave_rows(void *data, int y0, int y1, int thread)
 		memcpy(n->uncut + (ptrdiff_t)y * width, crack, (size_t)width);
 		for (int x = next_marked(crack, 0, width); x < width; x = next_marked(crack, x + 1, width))
 			crack[x] &= (uint8_t)~(replaced_between(n, x, y, 0) | replaced_between(n, x, y, 1));
-		int normals = 0;
+		int normals = 0, colors = 0;
+		for (int axis = 0; axis < 2; axis++)
+			colors |= mark_of(FAMILY_COLOR, axis) | mark_of(FAMILY_COLOR_BAND, axis);
 		for (int axis = 0; axis < 2 && !n->bumps; axis++)
 			normals |= mark_of(FAMILY_NORMAL, axis) | mark_of(FAMILY_NORMAL_BAND, axis);
-		for (int x = 0; x < width; x++)
-			if (n->replaced[(ptrdiff_t)y * width + x])
+		for (int x = 0; x < width; x++) {
+			if (n->replaced[(ptrdiff_t)y * width + x] & REPLACED)
 				ridge[x] &= (uint16_t)~normals;
+			if (ridge[x] & colors && is_colored(n, x, y))
+				ridge[x] &= (uint16_t)~colors;
+		}
 	}
 }
 

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-enum { ROUNDS = 16 };
+enum { ROUNDS = 16, PLACES = 4 /* from knot to knot, at which it is asked how the way bends */ };
 
 static const double knot_step = 2;      /* px from knot to knot, at least a pixel */
 static const double wave = 0.7;         /* of an edge's length: what of a line is longer is drawn to its edges */
@@ -31,11 +31,16 @@ typedef struct knot {
 	double diagonal, next, after, sum[2];
 } knot;
 
+typedef struct place {
+	double x, y;
+} place;
+
 typedef struct smoothing {
 	stations *s;
-	knot *knots;  /* by thread */
-	size_t room;  /* of each */
-	float *shift; /* by end of a run: x, y */
+	knot *knots;   /* by thread */
+	place *places; /* by thread, PLACES times as many */
+	size_t room;   /* of knots of each */
+	float *shift;  /* by end of a run: x, y */
 } smoothing;
 
 /* ---- how far ----------------------------------------------------------------------------------------------- */
@@ -97,14 +102,16 @@ static double edge_at(const stations *s, int32_t run, uint32_t i, uint32_t group
 	return (double)(s->at[group[1] - 1].s - s->at[group[0]].s) + (double)station_step;
 }
 
-/* Of `count` knots, the first at `from` pixels along the run and each `step` farther on. */
-static void lay_knots(const stations *s, int32_t run, knot *k, int64_t count, double from, double step, double whole)
+/* Of `count` knots, the first at `from` pixels along the run and each `step` farther on, and of places between them. */
+static void lay_knots(const stations *s, int32_t run, knot *k, place *to, int64_t count, double from, double step,
+		      double whole)
 {
 	uint32_t first = s->first[run], end = s->first[run + 1], at = first, group[2] = {0, 0};
+	int64_t places = (count - 1) * PLACES + 1;
 	double turn = floor(from / whole); /* of a closed run: how often it has gone round */
-	for (int64_t i = 0; i < count; i++) {
-		double along = from + (double)i * step, own = along - turn * whole;
-		if (own >= whole && i + 1 < count) {
+	for (int64_t i = 0; i < places; i++) {
+		double along = from + (double)i * step / PLACES, own = along - turn * whole;
+		if (own >= whole && i + 1 < places) {
 			turn += 1;
 			own -= whole;
 			at = first;
@@ -115,37 +122,56 @@ static void lay_knots(const stations *s, int32_t run, knot *k, int64_t count, do
 		double until = at + 1 < end ? (double)b->s : whole, gap = until - (double)a->s;
 		double t = gap > 1e-6 ? (own - (double)a->s) / gap : 0;
 		t = t < 0 ? 0 : t > 1 ? 1 : t;
+		to[i] = (place){a->x + t * (b->x - a->x), a->y + t * (b->y - a->y)};
+		if (i % PLACES)
+			continue;
 		double far = stray_of(s, a), its = stray_of(s, b);
-		k[i] = (knot){.x = a->x + t * (b->x - a->x),
-			      .y = a->y + t * (b->y - a->y),
-			      .far = far < its ? far : its,
-			      .edge = edge_at(s, run, at, group)};
+		k[i / PLACES] = (knot){
+			.x = to[i].x, .y = to[i].y, .far = far < its ? far : its, .edge = edge_at(s, run, at, group)};
 	}
 }
 
-/* How far the way bends about a knot, over as much as the curve may cut off: 1 hardly, 0 as a corner does. */
-static double roundness(const knot *k, int64_t i, int64_t count, int64_t reach)
+/* At any place between these. */
+static place place_at(const place *p, double at)
 {
-	if (i < reach || i + reach >= count)
+	int64_t i = (int64_t)at;
+	double t = at - (double)i;
+	return (place){p[i].x + t * (p[i + 1].x - p[i].x), p[i].y + t * (p[i + 1].y - p[i].y)};
+}
+
+/* How far the way bends at a place, over as much as the curve may cut off: 1 hardly, 0 as a corner does. Exactly so
+ * far, and not as many places: with one more or fewer the curve would be another. */
+static double roundness_at(const place *p, int64_t at, double reach, int64_t count)
+{
+	if (!((double)at - reach >= 0 && (double)at + reach < (double)(count - 1)))
 		return 1;
-	double ux = k[i].x - k[i - reach].x, uy = k[i].y - k[i - reach].y, vx = k[i + reach].x - k[i].x,
-	       vy = k[i + reach].y - k[i].y;
+	place before = place_at(p, (double)at - reach), after = place_at(p, (double)at + reach);
+	double ux = p[at].x - before.x, uy = p[at].y - before.y, vx = after.x - p[at].x, vy = after.y - p[at].y;
 	double length = sqrt((ux * ux + uy * uy) * (vx * vx + vy * vy));
 	double cosine = length > 1e-12 ? (ux * vx + uy * vy) / length : 1,
 	       share = (cosine - corner) / (straight - corner);
 	return share < 0 ? 0 : share > 1 ? 1 : share;
 }
 
-static void bound_knots(const stations *s, knot *k, int64_t count, double step)
+/* About a knot: a corner may lie between two. */
+static double roundness(const place *p, int64_t knot, double reach, int64_t count)
+{
+	double least = 1;
+	for (int64_t i = knot * PLACES - PLACES / 2; i <= knot * PLACES + PLACES / 2; i++)
+		least = fmin(least, roundness_at(p, i, reach, count));
+	return least;
+}
+
+static void bound_knots(const stations *s, knot *k, const place *places, int64_t count, double step)
 {
 	double most = 0, longest = longest_edge * (double)s->n->f->scale;
 	for (int64_t i = 0; i < count; i++) {
 		most = fmax(most, k[i].far);
 		k[i].edge = fmin(k[i].edge, longest);
 	}
-	int64_t reach = (int64_t)ceil(fmax(2 * most, 3) / step);
+	double reach = PLACES * fmax(2 * most, 3) / step;
 	for (int64_t i = 0; i < count; i++) {
-		k[i].stiff = roundness(k, i, count, reach);
+		k[i].stiff = roundness(places, i, reach, (count - 1) * PLACES + 1);
 		k[i].far *= k[i].stiff;
 	}
 	k[0].stiff = k[count - 1].stiff = 0;
@@ -231,6 +257,9 @@ static void add_more(knot *k, int64_t count, double step)
 			double before = i > reach ? k[i - reach - 1].sum[c] : 0;
 			k[i].more[c] += freedom(k + i) * (k[i + reach].sum[c] - before) / (double)(2 * reach + 1);
 		}
+		double far = sqrt(k[i].more[0] * k[i].more[0] + k[i].more[1] * k[i].more[1]);
+		for (int c = 0; c < 2 && far > k[i].far; c++) /* or it grows from round to round */
+			k[i].more[c] *= k[i].far / far;
 	}
 }
 
@@ -299,6 +328,7 @@ static void smooth_runs(void *data, int first, int end, int thread)
 	const smoothing *m = data;
 	stations *s = m->s;
 	knot *k = m->knots + (size_t)thread * m->room;
+	place *places = m->places + (size_t)thread * m->room * PLACES;
 	for (int run = first; run < end && !bands_stopped(s->n->f->bands); run++) {
 		bool closed;
 		double whole, step;
@@ -307,10 +337,10 @@ static void smooth_runs(void *data, int first, int end, int thread)
 			continue;
 		int64_t count = knots_of(s, run, &closed, &whole, &step, &more);
 		double from = -(double)more * step;
-		lay_knots(s, run, k, count, from, step, whole);
+		lay_knots(s, run, k, places, count, from, step, whole);
 		if (!closed)
 			k[0].far = k[count - 1].far = 0;
-		bound_knots(s, k, count, step);
+		bound_knots(s, k, places, count, step);
 		find_curve(k, count, step, !closed);
 		move_stations(s, run, k, count, from, step);
 	}
@@ -402,14 +432,16 @@ int32_t ISA(stations_smooth)(stations *s)
 		size_t count = (size_t)knots_of(s, i, &closed, &whole, &step, &more);
 		most = count > most ? count : most;
 	}
-	smoothing m = {s, late_take(&n->f->late, threads * most, sizeof *m.knots), most,
+	smoothing m = {s, late_take(&n->f->late, threads * most, sizeof *m.knots),
+		       late_take(&n->f->late, PLACES * threads * most, sizeof *m.places), most,
 		       late_take(&n->f->late, 4 * (size_t)s->runs, sizeof *m.shift)};
-	if (!m.knots || !m.shift)
+	if (!m.knots || !m.places || !m.shift)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(n->f->bands, s->runs, 1, smooth_runs, &m);
 	code = code ? code : bands_run(n->f->bands, s->runs, RUN_CHUNK, find_shifts, &m);
 	code = code ? code : bands_run(n->f->bands, s->runs, RUN_CHUNK, follow, &m);
 	late_drop(&n->f->late, m.shift);
+	late_drop(&n->f->late, m.places);
 	late_drop(&n->f->late, m.knots);
 	return code;
 }

@@ -88,6 +88,7 @@ static void close_up(stations *s, const uint32_t *count, size_t cells)
 			g->py[to] = (float)(t->y - g->y);
 			g->dx[to] = t->dx;
 			g->dy[to] = t->dy;
+			g->importance[to] = t->importance;
 		}
 	}
 	g->first[cells] = to;
@@ -109,12 +110,13 @@ int32_t ISA(stations_sort)(stations *s)
 	uint32_t *count = late_take(&n->f->late, cells, sizeof *count);
 	g->first = late_take(&n->f->late, cells + 1, sizeof *g->first);
 	g->station = late_take(&n->f->late, s->count, sizeof *g->station);
-	g->px = late_take(&n->f->late, 4 * (size_t)s->count, sizeof *g->px);
+	g->px = late_take(&n->f->late, 5 * (size_t)s->count, sizeof *g->px);
 	if (!count || !g->first || !g->station || !g->px)
 		return ENCRE_ERROR_MEMORY;
 	g->py = g->px + s->count;
 	g->dx = g->py + s->count;
 	g->dy = g->dx + s->count;
+	g->importance = g->dy + s->count;
 	memset(count, 0, cells * sizeof *count);
 	int32_t code = ENCRE_OK;
 	for (uint32_t i = 0; !code && i < s->count; i++) {
@@ -210,6 +212,24 @@ static void measure_stations(void *data, int first, int end, int thread)
 	}
 }
 
+/* Along a run as far as it is drawn, with weights that fall to 0 `far` pixels away. */
+static float mean_apart(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far)
+{
+	const station *t = s->at;
+	float sum = t[i].apart, weights = 1;
+	for (uint32_t b = i; b > first && t[i].s - t[b - 1].s < far && is_drawn(t + b - 1); b--) {
+		float weight = 1 - (t[i].s - t[b - 1].s) / far;
+		sum += weight * t[b - 1].apart;
+		weights += weight;
+	}
+	for (uint32_t b = i + 1; b < end && t[b].s - t[i].s < far && is_drawn(t + b); b++) {
+		float weight = 1 - (t[b].s - t[i].s) / far;
+		sum += weight * t[b].apart;
+		weights += weight;
+	}
+	return sum / weights;
+}
+
 /* Round a corner as on both sides of it. */
 static void even_least_apart(void *data, int first, int end, int thread)
 {
@@ -236,7 +256,7 @@ static void even_least_apart(void *data, int first, int end, int thread)
 		for (uint32_t a = from; a < last; a++)
 			s->at[a].apart = s->mean[a];
 		for (uint32_t a = from; a < last; a++)
-			s->mean[a] = ISA(station_mean)(s, a, from, last, even_mean * s->n->f->scale, STATION_APART);
+			s->mean[a] = mean_apart(s, a, from, last, even_mean * s->n->f->scale);
 		for (uint32_t a = from; a < last; a++)
 			s->at[a].apart = s->mean[a];
 	}
@@ -264,17 +284,19 @@ float ISA(station_radius)(const stations *s, const station *t)
 static const float counted = 6, full_apart = 2.4f, least_left = 0.2f;
 static const float counted_along = 0.375f, same_line = 0.1f, level = 0.9f; /* pixels; pixels; a cosine */
 
-/* Of members from .. end - 1 those that lie beside a station. */
+/* Of members from .. end - 1 those as important as a station or more that lie beside it: an outline among the edges of
+ * facets stays whole. */
 static int count_abreast(const station_grid *g, uint32_t from, uint32_t end, const station *t, float reach)
 {
 	const float *restrict px = g->px + from, *restrict py = g->py + from, *restrict dx = g->dx + from,
-			      *restrict dy = g->dy + from;
+			      *restrict dy = g->dy + from, *restrict important = g->importance + from;
+	float least = t->importance;
 	float x = (float)(t->x - g->x), y = (float)(t->y - g->y), wx = t->dx, wy = t->dy;
 	int n = (int)(end - from), count = 0;
 	for (int i = 0; i < n; i++) {
 		float ex = px[i] - x, ey = py[i] - y, across = fabsf(ey * wx - ex * wy);
 		int beside_it = (fabsf(ex * wx + ey * wy) < counted_along) & (across > same_line) & (across < reach) &
-				(fabsf(wx * dx[i] + wy * dy[i]) > level);
+				(fabsf(wx * dx[i] + wy * dy[i]) > level) & (important[i] >= least);
 		count += beside_it;
 	}
 	return count;
@@ -286,20 +308,14 @@ static void thin_out(void *data, int first, int end, int thread)
 	const stations *s = data;
 	const station_grid *g = &s->grid;
 	float reach = counted * s->px;
-	uint32_t few = (uint32_t)(2 * counted / full_apart); /* so many are as wide as alone */
 	for (int i = first; i < end && !stopped_at(s->n, i); i++) {
 		station *t = s->at + i;
-		uint32_t all = 0;
 		if (!is_drawn(t))
 			continue;
-		station_rows w = rows_beside(g, t->x, t->y, t, reach, counted_along), again = w;
-		while (next_row(g, &w))
-			all += w.end - w.from;
-		if (all < few)
-			continue;
+		station_rows w = rows_beside(g, t->x, t->y, t, reach, counted_along);
 		int count = 1;
-		while (next_row(g, &again))
-			count += count_abreast(g, again.from, again.end, t, reach);
+		while (next_row(g, &w))
+			count += count_abreast(g, w.from, w.end, t, reach);
 		t->solid *= min(max(2 * counted / (float)count / full_apart, least_left), 1);
 	}
 }

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From points of chains to stations, evenly along their edges, and what each would be if no line were beside it. */
+#include "base/between.h"
 #include "fine/chains/stations.h"
+
+#include "base/metric.h"
 
 #include <math.h>
 
@@ -38,7 +41,7 @@ static void put(placing *p, const encre_chain_point *of, double x, double y, con
 {
 	x = on_fine_grid(x);
 	y = on_fine_grid(y);
-	double far = sqrt((x - p->x) * (x - p->x) + (y - p->y) * (y - p->y));
+	double far = on_fine_grid(sqrt((x - p->x) * (x - p->x) + (y - p->y) * (y - p->y)));
 	if (p->count && !(flags & STATION_ADDED) && far < (double)too_near)
 		return;
 	p->along_run += p->count ? (float)far : 0;
@@ -52,6 +55,7 @@ static void put(placing *p, const encre_chain_point *of, double x, double y, con
 					    .s = p->along_run,
 					    .depth = depth,
 					    .bend = of->bend,
+					    .over = of->over,
 					    .gap = of->gap,
 					    .along = along,
 					    .fade = clamp01(of->fade),
@@ -61,6 +65,7 @@ static void put(placing *p, const encre_chain_point *of, double x, double y, con
 					    .behind = of->behind,
 					    .run = p->run,
 					    .kind = of->kind,
+					    .color = {of->color[0], of->color[1]},
 					    .side = (int8_t)(of->side > 0   ? 1
 							     : of->side < 0 ? -1
 									    : 0),
@@ -118,14 +123,15 @@ static double phase_of(const encre_chain_point *p)
 	return h - floor(h);
 }
 
-/* Whether a run may meet others at its end, which the frame has not cut off. */
+/* Whether a run may meet others at its end: the frame has not cut it off, nor does it meet itself there. */
 static bool is_tied(const encre_chain_point *end)
 {
-	return end->end != ENCRE_END_FRAME;
+	return end->end != ENCRE_END_FRAME && end->end != ENCRE_END_LOOP;
 }
 
 static void put_run(placing *p, int64_t from, int64_t end)
 {
+	const frame *f = p->s->n->f;
 	const encre_chain_point *q = p->s->point;
 	double way[2];
 	int64_t corner = from + 1, first = from + 1;
@@ -154,7 +160,7 @@ static void put_run(placing *p, int64_t from, int64_t end)
 			       y = (double)a->y + t * ((double)b->y - (double)a->y);
 			put_corners(p, corner, k, x, y, 0);
 			corner = k;
-			put(p, b, x, y, way, mix(a->depth, b->depth, (float)t), (float)at, 0);
+			put(p, b, x, y, way, depth_between(f, a, b, t), (float)at, 0);
 		}
 	}
 	double x = (double)q[end - 1].x, y = (double)q[end - 1].y;
@@ -218,7 +224,12 @@ static bool parts_materials(const stations *s, const station *t)
 	return own[t->near_x] != layer_row(f, ENCRE_LAYER_MATERIAL, y)[x];
 }
 
-/* How wide an edge is for what it bends, 0..1; below 0 it is no line. */
+static float grown(float more)
+{
+	return least_growth + (1 - least_growth) * clamp01(more / full_growth);
+}
+
+/* How wide an edge is for what it bends, by itself or with the faces beside it, 0..1; below 0 it is no line. */
 static float growth_of(const stations *s, const encre_params *p, station *t)
 {
 	bool smooth = t->kind & ENCRE_CHAIN_SMOOTH;
@@ -227,11 +238,12 @@ static float growth_of(const stations *s, const encre_params *p, station *t)
 		return 1;
 	if (s->n->e->p->crease_source == crease_source_LAYERS)
 		return -1;
-	if (more < 0 && !(smooth && t->bend >= least_smooth * angle))
+	float over = t->over >= angle ? t->fade * grown(t->over - angle) : -1;
+	if (more < 0 && over < 0 && !(smooth && t->bend >= least_smooth * angle))
 		return -1;
-	if (more < 0)
+	if (more < 0 && over < 0)
 		t->flags |= STATION_WEAK;
-	return least_growth + (1 - least_growth) * clamp01(more / full_growth);
+	return more < 0 && over >= 0 ? over : max(over, grown(more));
 }
 
 static bool weigh(const fine *n, placed *made, int style, enum source source, float strength)
@@ -239,7 +251,46 @@ static bool weigh(const fine *n, placed *made, int style, enum source source, fl
 	return n->e->on[source] && ISA(fine_weigh)(n, made, style, source, strength);
 }
 
-static void judge(const stations *s, station *t)
+/* Two colors in the metric, and how much they differ: along a line they are often the same. */
+typedef struct two_colors {
+	bool known;
+	int32_t color[2];
+	float space[2][3], contrast;
+} two_colors;
+
+static void compare_colors(const encre_params *p, const station *t, two_colors *of)
+{
+	if (of->known && of->color[0] == t->color[0] && of->color[1] == t->color[1])
+		return;
+	for (int side = 0; side < 2; side++) {
+		float *space = of->space[side];
+		of->color[side] = t->color[side];
+		for (int k = 0; k < 3; k++)
+			space[k] = srgb_decode((float)(t->color[side] >> (16 - 8 * k) & 255) / 255);
+		ISA(metric_space)(p->contrast_metric, 1, space, space + 1, space + 2);
+	}
+	const float *a[3] = {of->space[0], of->space[0] + 1, of->space[0] + 2},
+		    *b[3] = {of->space[1], of->space[1] + 1, of->space[1] + 2};
+	const color_metric metric = metric_of(p);
+	of->contrast = 0;
+	ISA(metric_difference)(&metric, 1, a, b, &of->contrast);
+	of->known = true;
+}
+
+/* Whether what colors differ by is a line, by itself or, of a weak one, beside such. */
+static bool weigh_colors(const fine *n, station *t, placed *made, int style, two_colors *of)
+{
+	const encre_params *p = n->e->p;
+	compare_colors(p, t, of);
+	float strength = metric_strength(of->contrast, p->contrast_threshold,
+					 full_contrast(n->e, SOURCE_COLOR, t->near_x, t->near_y));
+	weigh(n, made, style, SOURCE_COLOR, strength);
+	ISA(fine_paint)(n, made, of->space[0], of->space[1]);
+	t->flags |= made->strength < p->edge_threshold ? STATION_WEAK : 0;
+	return made->strength > 0 && made->strength >= least_faint * p->edge_threshold;
+}
+
+static void judge(const stations *s, station *t, two_colors *of)
 {
 	const fine *n = s->n;
 	take_controls(s, t);
@@ -247,14 +298,15 @@ static void judge(const stations *s, station *t)
 	const encre_params *p = n->f->params + style;
 	/* where a surface goes on in another one it is its bend that is seen */
 	bool flush = kind & ENCRE_CHAIN_FLUSH, contour = !flush && (kind & (ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER));
-	bool edge = false;
+	bool edge = false, color = kind & ENCRE_CHAIN_COLOR;
 	placed made = {.x = (float)(t->x - n->f->place.x), .y = (float)(t->y - n->f->place.y)};
 	float before = clamp01((t->gap / s->px - least_gap) / (full_gap - least_gap));
 	bool bent = flush || (kind & (ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_MEET));
 	float bends = flush && p->flush_pieces ? 1 : bent ? growth_of(s, p, t) : -1;
 	bool weak = t->flags & STATION_WEAK;
 	bool parts = kind & (ENCRE_CHAIN_NUMBER | ENCRE_CHAIN_OTHER | ENCRE_CHAIN_MATERIAL | ENCRE_CHAIN_MEET);
-	t->importance = contour                   ? IMPORTANCE_CONTOUR
+	t->importance = color                     ? IMPORTANCE_COLOR
+			: contour                 ? IMPORTANCE_CONTOUR
 			: kind & ENCRE_CHAIN_MARK ? IMPORTANCE_MARK
 			: parts && !flush         ? IMPORTANCE_BOUNDARY
 						  : IMPORTANCE_CREASE;
@@ -276,8 +328,12 @@ static void judge(const stations *s, station *t)
 		edge |= (kind & ENCRE_CHAIN_MATERIAL) && weigh(n, &made, style, SOURCE_MATERIAL, 1);
 	} else if (kind & ENCRE_CHAIN_MARK) {
 		edge = weigh(n, &made, style, SOURCE_MARK, 1);
+	} else if (color) {
+		edge = weigh_colors(n, t, &made, style, of);
 	}
-	if (!edge && !contour && bends >= 0) {
+	if (color) {
+		t->flags &= (uint8_t)(edge ? 255 : ~STATION_WEAK);
+	} else if (!edge && !contour && bends >= 0) {
 		edge = weigh(n, &made, style, SOURCE_NORMAL, 1);
 		t->growth = bends;
 		t->flags |= weak ? STATION_WEAK : 0;
@@ -286,7 +342,7 @@ static void judge(const stations *s, station *t)
 	}
 	t->strength = made.strength;
 	t->source = made.source;
-	t->solid = t->growth * t->fade;
+	t->solid = t->growth;
 	if (!edge)
 		t->flags |= STATION_NONE;
 }
@@ -295,13 +351,14 @@ static void judge_stations(void *data, int first, int end, int thread)
 {
 	(void)thread;
 	const stations *s = data;
+	two_colors of = {.known = false};
 	for (int i = first; i < end && !stopped_at(s->n, i); i++)
-		judge(s, s->at + i);
+		judge(s, s->at + i, &of);
 }
 
 static bool is_strong(const station *t)
 {
-	return !(t->flags & (STATION_NONE | STATION_WEAK)) && t->importance == IMPORTANCE_CREASE;
+	return !(t->flags & (STATION_NONE | STATION_WEAK)) && t->importance <= IMPORTANCE_CREASE;
 }
 
 /* Weak ones of a run are lines if those that they hang together with reach one that is not weak. */
@@ -329,7 +386,9 @@ static void hold_runs(void *data, int first, int end, int thread)
 static bool may_be_line(const stations *s, const encre_chain_point *p)
 {
 	enum { BENDS = ENCRE_CHAIN_CREASE | ENCRE_CHAIN_BEVEL | ENCRE_CHAIN_SMOOTH | ENCRE_CHAIN_ROUND };
-	return (p->kind & ~BENDS) || p->bend >= s->least_bend[(p->kind & ENCRE_CHAIN_SMOOTH) != 0];
+	if (p->kind & ENCRE_CHAIN_HIDDEN) /* hidden.c */
+		return false;
+	return (p->kind & ~BENDS) || max(p->bend, p->over) >= s->least_bend[(p->kind & ENCRE_CHAIN_SMOOTH) != 0];
 }
 
 static bool follows(const stations *s, int64_t i)

@@ -7,7 +7,7 @@
 
 /* Of two lines that lie close the more important one stays: a boundary is one of numbers, or where surfaces pass
  * through each other. */
-enum importance { IMPORTANCE_CREASE, IMPORTANCE_BOUNDARY, IMPORTANCE_MARK, IMPORTANCE_CONTOUR };
+enum importance { IMPORTANCE_COLOR, IMPORTANCE_CREASE, IMPORTANCE_BOUNDARY, IMPORTANCE_MARK, IMPORTANCE_CONTOUR };
 
 /* What is true of a station. */
 enum {
@@ -25,7 +25,7 @@ typedef struct station {
 	double x, y;  /* pixels of the full frame */
 	float dx, dy; /* the way of its run, of length 1 */
 	float s;      /* pixels along the run */
-	float depth, bend, gap, along, fade;
+	float depth, bend, over, fade, gap, along;
 	float growth; /* 0..1: what bends hardly more than asked is thinner */
 	float solid;  /* likewise, for all reasons but other lines */
 	float keep;   /* 0..1: what is left of its width */
@@ -34,6 +34,7 @@ typedef struct station {
 	float sine, tapers; /* of the angle with that contour; how much the thing comes to a tip, 0..1 */
 	float strength;
 	int32_t mesh, edge, object, behind, run, kind;
+	int32_t color[2];
 	uint16_t near_x, near_y; /* of the image: where it takes its controls */
 	int8_t side;
 	uint8_t importance, source, flags;
@@ -53,6 +54,7 @@ typedef struct station_grid {
 	uint32_t *first;          /* by cell, and one more */
 	uint32_t *station;        /* which one it is */
 	float *px, *py, *dx, *dy; /* its place, from that of the first cell, and its way */
+	float *importance;
 } station_grid;
 
 typedef struct stations {
@@ -84,11 +86,7 @@ int32_t ISA(stations_measure)(stations *s);
 int32_t ISA(stations_thin_out)(stations *s);
 /* Half the width that a line of a thin thing may have. */
 float ISA(station_radius)(const stations *s, const station *t);
-/* inhibitor.c: what gives way to lines beside it; and the mean of a value along a run, whose stations these are, as
- * far as it is drawn, with weights that fall to 0 `far` pixels away. */
-enum station_value { STATION_APART, STATION_KEEP };
-float ISA(station_mean)(const stations *s, uint32_t i, uint32_t first, uint32_t end, float far,
-			enum station_value value);
+/* inhibitor.c: what gives way to lines beside it. */
 int32_t ISA(stations_give_way)(stations *s);
 /* smooth.c: moves those of round forms with few faces onto curves. The grid keeps where they were. */
 int32_t ISA(stations_smooth)(stations *s);

@@ -12,17 +12,9 @@ enum { ROWS = 4 };
  * strength. */
 static const float jump_from = 0.003f, jump_ramp = 0.007f; /* test_fine_sites */
 
-/* Likewise, of a jump within a thing beside a pixel that is all there is of a side, where no meshes tell more: a ledge
- * that is seen flat would be one. */
+/* Likewise, of a jump within a thing beside a pixel that is all there is of a side: a ledge that is seen flat would be
+ * one. */
 static const float ledge_from = 0.013f; /* test_fine_sites */
-
-/* Of the whole step from one pixel to the next: what slopes do not explain is a jump from so much on where meshes tell
- * of no contour. */
-static const float least_of_step = 0.8f; /* test_fine_sites */
-
-/* A contour that a mesh tells is a line by itself from so many steps on; below, only where such a one goes on, and it
- * thins out, by so many 255ths of its width a step. */
-enum { SURE_STEPS = 3, EASE_STEP = 64 };
 
 /* ---- depth ----------------------------------------------------------------------------------------------- */
 
@@ -59,27 +51,6 @@ static void mark_jumps(bool ortho, const float *a, const float *b, const float *
 		}
 }
 
-/* Takes back jumps in a row within one object (o[1], o[2]) where a side is one pixel of it that another object (o[0],
- * o[3]) lies beside: no slope is known of it, and a ledge that is seen flat would be a jump. Meshes know: where a
- * contour of theirs passes, it stays. */
-static void unmark_ledges(const float *const *o, const float *marks, int n, uint8_t bit, uint8_t *restrict out)
-{
-	const float *a = o[0], *b = o[1], *c = o[2], *d = o[3];
-	for (int i = 0; i < n; i++)
-		out[i] &= (uint8_t)(b[i] == c[i] && (a[i] != b[i] || c[i] != d[i]) && !(contour_mark(marks[2 * i]) < 0)
-					    ? ~bit
-					    : 255);
-}
-
-/* Contours that the meshes tell, and something lies behind. */
-static void mark_contours(const float *marks, int n, bool below, uint8_t *restrict out)
-{
-	for (int i = 0; i < n; i++) {
-		out[i] |= i + 1 < n && contour_mark(marks[2 * i]) <= -2 ? CRACK_RIGHT : 0;
-		out[i] |= below && contour_mark(marks[2 * i + 1]) <= -2 ? CRACK_DOWN : 0;
-	}
-}
-
 static void mark_nothing(float nothing, const float *a, const float *b, int n, uint8_t bit, uint8_t *restrict out)
 {
 	for (int i = 0; i < n; i++)
@@ -92,11 +63,6 @@ static void mark_different(const float *a, const float *b, int n, uint8_t bit, u
 		out[i] |= a[i] != b[i] ? bit : 0;
 }
 
-static bool knows_contours(const fine *n)
-{
-	return n->e->creases && n->f->layer[ENCRE_LAYER_MARKS].data;
-}
-
 /* ---- sites ----------------------------------------------------------------------------------------------- */
 
 static bool on_ledge(const fine *n, const found *s)
@@ -106,8 +72,7 @@ static bool on_ledge(const fine *n, const found *s)
 		return false;
 	ptrdiff_t step = s->axis == AXIS_ROW ? 1 : object.row;
 	const float *o = object.data + s->row * object.row + s->column;
-	return o[0] == o[step] && (o[-step] != o[0] || o[step] != o[2 * step]) &&
-	       !(knows_contours(n) && ISA(hand_place)(n, s) < 0);
+	return o[0] == o[step] && (o[-step] != o[0] || o[step] != o[2 * step]);
 }
 
 /* Whether nothing is on one side of it alone. */
@@ -115,32 +80,6 @@ static bool is_outline(const frame *f, const found *at)
 {
 	return (depth_at(f, at->column, at->row) == INFINITY) !=
 	       (depth_at(f, at->column + (at->axis == AXIS_ROW), at->row + (at->axis == AXIS_COLUMN)) == INFINITY);
-}
-
-/* Whether both pixels show one thing; without numbers of things all are one. */
-static bool same_thing(const fine *n, const found *s)
-{
-	plane object = n->f->layer[ENCRE_LAYER_OBJECT];
-	const float *o = object.data ? object.data + s->row * object.row + s->column : NULL;
-	return !o || o[0] == o[s->axis == AXIS_ROW ? 1 : object.row];
-}
-
-/* Whether what is found within a thing, of which no contour tells that it lies before anything, is no jump. What is
- * seen at a grazing angle, ground or a cloth, bends as much as a small one would: `step` is what depth changes by in
- * all, of which `j` is no slope's. At what alpha cuts out nearly all is. Or an edge of the mesh passes there, however
- * little it bends: the surface goes on. Or an edge that bends passes beside it, and the face beyond that is narrower
- * than a pixel: whether a pixel's centre lies in it or it is jumped over changes from one pixel to the next, and it is
- * the edge's line. */
-static bool is_none(const fine *n, const found *s, float step, float j)
-{
-	bool slope = step < INFINITY && j < least_of_step * step;
-	return (ISA(hand_place)(n, s) == 0 && (slope || ISA(crease_between)(n, s))) || ISA(crease_beside)(n, s);
-}
-
-/* Whether that is asked. */
-static bool is_untold(const fine *n, const found *s)
-{
-	return knows_contours(n) && !(ISA(hand_steps)(n, s) > 0) && same_thing(n, s) && !is_outline(n->f, s);
 }
 
 static float depth_strength(const fine *n, const found *s)
@@ -152,15 +91,12 @@ static float depth_strength(const fine *n, const found *s)
 	for (int k = 0; inside && k < 4; k++)
 		u[k] = depth_sample(n->e,
 				    layer_row(f, ENCRE_LAYER_DEPTH, s->row + (k - 1) * dy)[s->column + (k - 1) * dx]);
-	bool ledge = inside && on_ledge(n, s);
-	if (!inside || (ledge && knows_contours(n)))
+	if (!inside)
 		return 0;
 	float top = max(max(u[0], u[1]), max(u[2], u[3]));
 	float j = n->e->ortho ? jump_ortho(u[0], u[1], u[2], u[3]) : jump(u[0], u[1], u[2], u[3]);
 	float share = n->e->ortho ? j : top > 0 ? j / top : 0;
-	float from = ledge ? ledge_from : jump_from;
-	if (!(share > from) || (is_untold(n, s) && is_none(n, s, fabsf(u[2] - u[1]), j)))
-		return 0;
+	float from = on_ledge(n, s) ? ledge_from : jump_from;
 	return clamp01((share - from) / jump_ramp);
 }
 
@@ -211,28 +147,13 @@ bool ISA(crack_weigh)(const fine *n, const found *at, int style, placed *s)
 	s->strength = 0;
 	ISA(fine_weigh)(n, s, style, SOURCE_OBJECT, object);
 	ISA(fine_weigh)(n, s, style, SOURCE_MATERIAL, material);
-	ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, depth_strength(n, at));
-	float known = s->strength;
-	int steps = ISA(hand_steps)(n, at);
-	bool edge = ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, steps > 0);
-	s->told = s->strength > known;
-	s->weak = s->told && steps < SURE_STEPS && known < n->e->p->edge_threshold;
-	s->eased = s->weak ? (uint8_t)(EASE_STEP * (SURE_STEPS - steps)) : 0;
-	return edge;
-}
-
-static float averaged(const fine *n, const found *at)
-{
-	float mixed, place = crossing(n->f, at, &mixed);
-	return ISA(contact_place)(n, at, place, mixed);
+	return ISA(fine_weigh)(n, s, style, SOURCE_DEPTH, depth_strength(n, at));
 }
 
 bool ISA(crack_site)(const fine *n, const found *at, placed *s)
 {
-	float known = ISA(hand_place)(n, at);
-	/* a line that was drawn where there is a contour as well is not the contour */
-	bool drawn = known > 0 && !(depth_strength(n, at) > 0 || is_outline(n->f, at));
-	crack_place(at, known < 0 ? -known : drawn ? known : averaged(n, at), s);
+	float mixed, place = crossing(n->f, at, &mixed);
+	crack_place(at, ISA(contact_place)(n, at, place, mixed), s);
 	return ISA(crack_weigh)(n, at, fine_style(n, at, s), s);
 }
 
@@ -268,35 +189,18 @@ static void refine(const fine *n, int y, uint8_t *mark, uint8_t bits)
 		}
 }
 
-static void unmark(const fine *n, int y, uint8_t *mark)
-{
-	const frame *f = n->f;
-	const float *marks = layer_row(f, ENCRE_LAYER_MARKS, y), *o[4];
-	int width = f->width;
-	for (int k = 0; k < 4; k++)
-		o[k] = layer_row(f, ENCRE_LAYER_OBJECT, y) + k;
-	if (width > 3)
-		unmark_ledges(o, marks + 2, width - 3, CRACK_RIGHT, mark + 1);
-	if (y < 1 || y + 2 >= f->height)
-		return;
-	for (int k = 0; k < 4; k++)
-		o[k] = layer_row(f, ENCRE_LAYER_OBJECT, y + k - 1);
-	unmark_ledges(o, marks + 1, width, CRACK_DOWN, mark);
-}
-
-/* Takes back the jumps in a row, within a thing, that are none; of ledges those of less than the least strength. */
-static void unmark_jumps(const fine *n, int y, float least, uint8_t *mark)
+/* Takes back jumps in a row at ledges, of less than the least strength. */
+static void unmark_ledges(const fine *n, int y, float least, uint8_t *mark)
 {
 	int width = n->f->width;
 	for (int x = next_marked(mark, 0, width); x < width; x = next_marked(mark, x + 1, width))
 		for (int axis = 0; mark[x] && axis < 2; axis++) {
 			found at = {(uint16_t)x, (uint16_t)y, FAMILY_CRACK, (uint8_t)axis};
 			uint8_t bit = (uint8_t)(CRACK_RIGHT << axis);
-			bool untold = (mark[x] & bit) && is_untold(n, &at);
-			if (!untold && !((mark[x] & bit) && !knows_contours(n) && on_ledge(n, &at)))
+			if (!(mark[x] & bit) || !on_ledge(n, &at))
 				continue;
 			float strength = depth_strength(n, &at);
-			if (!(strength > 0) || (!untold && strength < least))
+			if (!(strength > 0) || strength < least)
 				mark[x] &= (uint8_t)~bit;
 		}
 }
@@ -315,12 +219,8 @@ static void mark_row(const fine *n, int y, float *const *u, const uint8_t *const
 		mark_jumps(e->ortho, u[1], u[1] + 1, u[1] + 2, u[1] + 3, width - 3, least, CRACK_RIGHT, mark + 1);
 	if (e->on[SOURCE_DEPTH] && least < INFINITY && y >= 1 && y + 2 < f->height)
 		mark_jumps(e->ortho, u[0], u[1], u[2], u[3], width, least, CRACK_DOWN, mark);
-	if (knows_contours(n) && f->layer[ENCRE_LAYER_OBJECT].data)
-		unmark(n, y, mark);
-	if (knows_contours(n) || f->layer[ENCRE_LAYER_OBJECT].data)
-		unmark_jumps(n, y, depth, mark);
-	if (knows_contours(n) && least < INFINITY)
-		mark_contours(layer_row(f, ENCRE_LAYER_MARKS, y), width, below, mark);
+	if (f->layer[ENCRE_LAYER_OBJECT].data)
+		unmark_ledges(n, y, depth, mark);
 	if (least_strength(e, SOURCE_OBJECT) <= 1) {
 		mark_nothing(nothing, u[1], u[1] + 1, width - 1, CRACK_RIGHT, mark);
 		if (below)
@@ -388,8 +288,6 @@ void ISA(crack_rows)(void *data, int y0, int y1, int thread)
 				ISA(level_row)(n, y + k, level[k]);
 		}
 		mark_row(n, y, u, (const uint8_t *const *)level);
-		ISA(hand_row)(n, y);
-		ISA(crease_row)(n, y);
-		n->colored[y] = n->e->on[SOURCE_COLOR] && (n->most_color > 0 || is_painted(f, y));
+		n->colored[y] = !n->e->on[SOURCE_COLOR] ? 0 : is_painted(f, y) ? 2 : n->most_color > 0;
 	}
 }

@@ -37,7 +37,7 @@ void ISA(level_row)(const fine *n, int y, uint8_t *restrict level)
 }
 
 /* Of a style that fills by levels: how much two of them differ, by both. */
-static void fill_contrasts(int metric, const encre_params *p, float *contrast)
+static void fill_contrasts(const color_metric *metric, const encre_params *p, float *contrast)
 {
 	int count = p->shade_levels.count;
 	float plane[3][ENCRE_MAX_LEVELS] = {{0}}, grey[ENCRE_MAX_LEVELS];
@@ -45,7 +45,7 @@ static void fill_contrasts(int metric, const encre_params *p, float *contrast)
 		for (int c = 0; c < 3; c++)
 			plane[c][k] = clamp01(p->shade_levels.level[k].intensity);
 	memcpy(grey, plane[0], sizeof grey);
-	ISA(metric_space)(metric, count, plane[0], plane[1], plane[2]);
+	ISA(metric_space)(metric->kind, count, plane[0], plane[1], plane[2]);
 	for (int one = 0; one < count; one++)
 		for (int two = 0; two < count; two++) {
 			const float *a[3] = {plane[0] + one, plane[1] + one, plane[2] + one},
@@ -61,11 +61,12 @@ void ISA(light_plan)(fine *n, const edges *e, arena *a)
 {
 	const frame *f = n->f;
 	size_t room = ENCRE_MAX_LEVELS * ENCRE_MAX_LEVELS;
+	color_metric metric = metric_of(e->p);
 	if (!e->on[SOURCE_LIGHT])
 		return;
 	n->level_contrast = arena_take(a, (size_t)f->n_styles * room, sizeof *n->level_contrast);
 	for (int i = 0; n->level_contrast && i < f->n_styles; i++)
-		fill_contrasts(e->p->contrast_metric, f->params + i, n->level_contrast + (size_t)i * room);
+		fill_contrasts(&metric, f->params + i, n->level_contrast + (size_t)i * room);
 }
 
 /* Between two levels. */

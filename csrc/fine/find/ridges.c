@@ -342,10 +342,11 @@ ptrdiff_t ISA(ridge_scratch)(const frame *f)
 }
 
 /* A site may lie in the row above or below. */
-static bool colored_near(const fine *n, int y)
+static int colored_near(const fine *n, int y)
 {
-	int height = n->f->height;
-	return n->colored[clamp_index(y - 1, height)] || n->colored[y] || n->colored[clamp_index(y + 1, height)];
+	int height = n->f->height, above = n->colored[clamp_index(y - 1, height)],
+	    below = n->colored[clamp_index(y + 1, height)], most = above > below ? above : below;
+	return n->colored[y] > most ? n->colored[y] : most;
 }
 
 void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
@@ -375,8 +376,8 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			bool wanted = n->e->on[s] && samples[s].step && (s < SOURCE_SEEN || n->glimpse[y]);
 			if (s == SOURCE_COLOR)
 				wanted = wanted && colored_near(n, y);
-			if (s == SOURCE_NORMAL && n->e->creases && !n->bumps)
-				wanted = wanted && ISA(crease_asked)(n, y);
+			if (s == SOURCE_NORMAL && n->replaced && !n->bumps)
+				wanted = wanted && memchr(n->replaced + (ptrdiff_t)y * f->width, 0, (size_t)f->width);
 			if (!wanted)
 				continue;
 			ISA(ring_fill)(rings + s, y);
@@ -387,7 +388,7 @@ void ISA(ridge_rows)(void *data, int y0, int y1, int thread)
 			}
 			w.source = s;
 			w.is = samples[s];
-			w.least_contrast = s == SOURCE_COLOR ? n->least_contrast : 0;
+			w.least_contrast = s == SOURCE_COLOR && colored_near(n, y) < 2 ? n->least_contrast : 0;
 			for (int c = 0; c < w.is.planes; c++)
 				ISA(ring_window)(rings + s, 0, c, w.row[c]);
 			plane layer = f->layer[w.is.layer];

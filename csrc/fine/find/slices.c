@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Slices across things up to three pixels wide. Depth and index hit them at pixel centres only, but how they lie and
- * how wide they are shows in the averaged layers all along, or a mesh tells it. */
+ * how wide they are shows in the averaged layers all along. */
 #include "fine/find/slices.h"
 
 enum { MOST = MOST_HIT + 4 };
@@ -19,12 +19,6 @@ static float near_at(const fine *n, int axis, int across, int at)
 {
 	float z = axis ? depth_at(n->f, across, at) : depth_at(n->f, at, across);
 	return n->e->ortho ? -min(z, depth_end) : 1 / z;
-}
-
-/* Between a pixel and the next. */
-static found crack_at(int axis, int across, int at)
-{
-	return (found){(uint16_t)(axis ? across : at), (uint16_t)(axis ? at : across), FAMILY_CRACK, (uint8_t)axis};
 }
 
 static void read(const frame *f, int x, int y, float value[PLANES])
@@ -114,33 +108,6 @@ static bool cracked(const fine *n, int axis, int across, int at)
 	return n->mixed[i] & CRACK_RIGHT << axis;
 }
 
-/* Where a contour passes from a pixel to the next, 0 < place <= 1; 0: that is not known. */
-static float contour_at(const fine *n, int axis, int across, int at)
-{
-	found crack = crack_at(axis, across, at);
-	return max(-ISA(hand_place)(n, &crack), 0);
-}
-
-/* The slice of what lies flat before one ground, whatever the averages say of it: a mesh tells both of its contours,
- * and that something lies behind them. */
-static bool slice_raised(const fine *n, int axis, int across, int first, int last, slice *s)
-{
-	found from = crack_at(axis, across, first - 1), to = crack_at(axis, across, last);
-	float ground = thing_at(n, axis, across, first - 1), own = thing_at(n, axis, across, first);
-	*s = (slice){.high = INFINITY, .hits = last - first + 1, .ground = ground, .trust = 1, .told = true};
-	return own != ground && own == thing_at(n, axis, across, last) &&
-	       ground == thing_at(n, axis, across, last + 1) && ISA(hand_steps)(n, &from) > 0 &&
-	       ISA(hand_steps)(n, &to) > 0 &&
-	       near_at(n, axis, across, first) + near_at(n, axis, across, last) >
-		       near_at(n, axis, across, first - 1) + near_at(n, axis, across, last + 1);
-}
-
-/* Whether meshes tell of contours. */
-static bool marked(const fine *n)
-{
-	return n->f->layer[ENCRE_LAYER_MARKS].data;
-}
-
 bool ISA(slice_at)(const fine *n, int axis, int across, int at, slice *s)
 {
 	int first = at, last = at, size = axis ? n->f->height : n->f->width, rows = axis ? n->f->width : n->f->height;
@@ -152,52 +119,14 @@ bool ISA(slice_at)(const fine *n, int axis, int across, int at, slice *s)
 		last++;
 	if (last - first >= MOST_HIT || first == 0 || last + 1 == size)
 		return false;
-	bool stands = slice_of(n, axis, across, first - 2, last - first + 5, s) && s->hits == last - first + 1;
-	if (!stands && !marked(n))
-		return false;
-	float before = contour_at(n, axis, across, first - 1), after = contour_at(n, axis, across, last);
-	bool told = before > 0 && after > 0;
-	if (!stands && !(told && slice_raised(n, axis, across, first, last, s)))
-		return false;
-	if (told) {
-		s->width = (float)(last - first + 1) + after - before;
-		s->middle = (float)(first - 1) + before + 0.5f * s->width;
-	}
-	return true;
-}
-
-/* What passes between the centres about a pixel, where the mesh tells it. */
-static bool slice_told(const fine *n, int axis, int across, int at, slice *s)
-{
-	static const int ways[4] = {0, -1, 1, -2};
-	const frame *f = n->f;
-	int size = axis ? f->height : f->width;
-	if (!marked(n) || across < 0 || across >= (axis ? f->width : f->height))
-		return false;
-	for (int k = 0; k < 4; k++) {
-		int first = at + ways[k];
-		if (first < 0 || first + 1 >= size)
-			continue;
-		const float *row = layer_row(f, ENCRE_LAYER_MARKS, axis ? first : across);
-		float place = between_place(row[2 * (axis ? across : first) + axis]);
-		if (place < 0)
-			continue;
-		*s = (slice){.middle = (float)first + place,
-			     .high = min(place, 1 - place),
-			     .ground = thing_at(n, axis, across, first),
-			     .trust = 1,
-			     .told = true};
-		return true;
-	}
-	return false;
+	return slice_of(n, axis, across, first - 2, last - first + 5, s) && s->hits == last - first + 1;
 }
 
 bool ISA(slice_about)(const fine *n, int axis, int across, int at, slice *s)
 {
-	return ISA(slice_at)(n, axis, across, at, s) || slice_told(n, axis, across, at, s) ||
+	return ISA(slice_at)(n, axis, across, at, s) ||
 	       (slice_of(n, axis, across, at - 2, 5, s) && s->area <= narrow * s->peak) ||
-	       slice_of(n, axis, across, at - 3, 7, s) ||
-	       (marked(n) && (ISA(slice_at)(n, axis, across, at - 1, s) || ISA(slice_at)(n, axis, across, at + 1, s)));
+	       slice_of(n, axis, across, at - 3, 7, s);
 }
 
 bool ISA(slice_between)(const fine *n, int axis, int x, int y, slice *s)

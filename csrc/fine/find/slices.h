@@ -17,9 +17,7 @@ typedef struct slice {
 	float stands[PLANES]; /* how it stands out, summed up */
 	int hits;             /* pixel centres that it covers */
 	float ground;         /* the object behind it */
-	float width;          /* from contour to contour; 0: not known */
 	float trust;          /* in the above, 0 to 1 */
-	bool told;            /* by the mesh alone: how it stands out from the ground is not known */
 } slice;
 
 static inline float thing_at(const fine *n, int axis, int across, int at)

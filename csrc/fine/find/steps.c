@@ -157,11 +157,9 @@ static bool may_be_weak(const fine *n, const found *at, const placed *s)
 static bool weigh(const fine *n, const found *at, placed *s, int style, float strength)
 {
 	const family_info *is = families + at->family;
-	if (is->sample == SOURCE_NORMAL && n->replaced && n->replaced[(ptrdiff_t)at->row * n->f->width + at->column])
+	if (is->sample == SOURCE_NORMAL && n->replaced &&
+	    (n->replaced[(ptrdiff_t)at->row * n->f->width + at->column] & 1))
 		return ISA(fine_weigh_by)(n, s, n->e->bump[style], SOURCE_NORMAL, strength);
-	if (is->sample == SOURCE_NORMAL && n->e->creases)
-		return ISA(fine_weigh_by)(n, s, ISA(crease_weight)(n, at->column, at->row, style), SOURCE_NORMAL,
-					  strength);
 	enum source source = is->sample < SOURCE_SEEN ? is->sample : SOURCE_SEEN;
 	bool edge = ISA(fine_weigh)(n, s, style, source, strength);
 	if (is->word != WORD_MORE || !(edge || may_be_weak(n, at, s)))
@@ -268,6 +266,7 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 		return weigh(n, at, s, style,
 			     clamp01((b.area - n->floor[samples[is->sample].step]) / (crease_ramp * n->crease)));
 	float difference = 0;
+	color_metric metric = metric_of(n->e->p);
 	if (form == FORM_LIGHT) { /* the stripe may be narrower than a pixel, and so darker than what is seen of it */
 		float rise = b.e[0] > 0 ? 1 : -1,
 		      near = rise * value[0][0] > rise * value[4][0] ? value[0][0] : value[4][0];
@@ -276,7 +275,9 @@ static bool band_site(const fine *n, const found *at, placed *s, float (*value)[
 		float gain = stripe_gain(n, &b);
 		float peak[3] = {b.base[0] + gain * b.e[0], b.base[1] + gain * b.e[1], b.base[2] + gain * b.e[2]};
 		const float *a[3] = {peak, peak + 1, peak + 2}, *low[3] = {b.base, b.base + 1, b.base + 2};
-		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, low, &difference);
+		ISA(metric_difference)(&metric, 1, a, low, &difference);
+		if (is->sample == SOURCE_COLOR)
+			ISA(fine_paint)(n, s, peak, b.base);
 	}
 	return weigh_weak(n, at, s, style, ISA(color_strength)(n, at, is->sample, difference));
 }
@@ -289,12 +290,11 @@ static const float joint_reach = 0.75f;
 static float joint_near(const fine *n, const found *at, float offset)
 {
 	float least = joint_reach, best = offset;
-	for (int k = -1; k <= 0; k++) {
-		found crack = *at;
-		if ((at->axis == AXIS_ROW ? at->column : at->row) + k < 0)
-			continue;
-		*(at->axis == AXIS_ROW ? &crack.column : &crack.row) += (uint16_t)k;
-		float place = -ISA(hand_place)(n, &crack), apart = fabsf(place + (float)k - offset);
+	int down = at->axis == AXIS_COLUMN;
+	for (int k = -1; n->joints && k <= 0; k++) {
+		int x = at->column + (down ? 0 : k), y = at->row + (down ? k : 0);
+		float place = x < 0 || y < 0 ? 0 : n->joints[2 * ((ptrdiff_t)y * n->f->width + x) + down];
+		float apart = fabsf(place + (float)k - offset);
 		if (place > 0 && apart < least) {
 			least = apart;
 			best = place + (float)k;
@@ -379,6 +379,7 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 		j = n->e->ortho ? j : most > 0 ? j / most : 0;
 		return weigh_weak(n, at, s, style, clamp01((j - seen_jump_from) / seen_jump_ramp));
 	}
+	color_metric metric = metric_of(n->e->p);
 	if (form == FORM_LIGHT) {
 		const encre_params *own = n->f->params + style;
 		difference = ISA(light_contrast)(n, own, value[low][0], value[high][0]);
@@ -386,7 +387,9 @@ bool ISA(ridge_site)(const fine *n, const found *at, placed *s)
 	} else {
 		const float *a[3] = {value[low], value[low] + 1, value[low] + 2},
 			    *b[3] = {value[high], value[high] + 1, value[high] + 2};
-		ISA(metric_difference)(n->e->p->contrast_metric, 1, a, b, &difference);
+		ISA(metric_difference)(&metric, 1, a, b, &difference);
+		if (source == SOURCE_COLOR)
+			ISA(fine_paint)(n, s, value[low], value[high]);
 	}
 	return weigh_weak(n, at, s, style, ISA(color_strength)(n, at, source, difference));
 }

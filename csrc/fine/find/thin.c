@@ -19,10 +19,8 @@ static const float steepest = 1.5f; /* pixels that its middle moves from a row t
 /* What some slices in a row have in common. */
 typedef struct run {
 	float area, peak, low, high;
-	float width;   /* in all, of those of which it is known */
 	float ends[2]; /* of its middle */
-	int slices, hits, steps, told, known;
-	int held; /* at how many ends something lies before it */
+	int slices, hits, steps;
 } run;
 
 static void add(run *r, const slice *s)
@@ -32,17 +30,7 @@ static void add(run *r, const slice *s)
 	r->low = max(r->low, s->low);
 	r->high = min(r->high, s->high);
 	r->hits += s->hits;
-	r->slices += !s->told;
-	r->told += s->told;
-	r->width += s->width;
-	r->known += s->width > 0;
-}
-
-/* Whether something else than the ground is at a pixel. */
-static bool is_covered(const fine *n, int axis, int across, int at, float ground)
-{
-	int size = axis ? n->f->height : n->f->width, rows = axis ? n->f->width : n->f->height;
-	return at >= 0 && at < size && across >= 0 && across < rows && thing_at(n, axis, across, at) != ground;
+	r->slices++;
 }
 
 /* The slices on both sides of one, as far as they are of the same thing; far on only to find a pixel that it covers. */
@@ -52,42 +40,30 @@ static run follow(const fine *n, int axis, int across, const slice *from)
 	add(&r, from);
 	for (int way = 0; way < 2; way++) {
 		float middle = from->middle;
-		int before = 0; /* pixels of what lies before it, up to here */
 		for (int k = 1; k <= (r.hits ? NEARBY : REACH); k++) {
 			slice next;
 			float along = 0;
 			int to = way ? across + k : across - k, at = (int)floorf(middle + 0.5f);
-			if (!ISA(slice_about)(n, axis, to, at, &next)) {
-				bool covered = from->told && is_covered(n, axis, to, at, from->ground);
-				before += covered;
-				if (!covered || before > MOST_HIT)
-					break;
-				continue;
-			}
+			if (!ISA(slice_about)(n, axis, to, at, &next))
+				break;
 			for (int c = 0; c < PLANES; c++)
 				along += next.stands[c] * from->stands[c];
-			bool told = next.told || from->told;
-			if (!(along > alike * from->area * next.area || told) ||
-			    fabsf(next.middle - middle) > steepest * (float)(1 + before) ||
-			    !(next.ground == from->ground || told) || abs(next.hits - from->hits) > 1)
+			if (!(along > alike * from->area * next.area) || fabsf(next.middle - middle) > steepest ||
+			    next.ground != from->ground || abs(next.hits - from->hits) > 1)
 				break;
 			add(&r, &next);
 			middle = next.middle;
-			r.steps += 1 + before;
-			before = 0;
+			r.steps++;
 		}
 		r.ends[way] = middle;
-		r.held += before > 0;
 	}
 	return r;
 }
 
-/* Half the width along the axis, by contours where they tell it. Of a thing narrower than a pixel the averages tell the
- * middle, but no width; which pixel centres it covers and which it does not tells that. */
+/* Half the width along the axis. Of a thing narrower than a pixel the averages tell the middle, but no width; which
+ * pixel centres it covers and which it does not tells that. */
 static float half_of(const run *r)
 {
-	if (r->known > 0)
-		return 0.5f * r->width / (float)r->known;
 	float half = r->peak > 0 ? 0.5f * r->area / ((float)r->slices * r->peak) : 0;
 	if (r->low > r->high)
 		return 0.5f * (r->low + r->high);
@@ -124,18 +100,14 @@ void ISA(thin_rows)(void *data, int y0, int y1, int thread)
 	const frame *f = n->f;
 	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		uint8_t *hit = n->hit + (ptrdiff_t)y * n->spans;
-		const float *marks = layer_row(f, ENCRE_LAYER_MARKS, y);
 		memset(hit, 0, (size_t)n->spans);
-		for (int x = 0; marks && x < f->width; x++)
-			if (max(between_place(marks[2 * x]), between_place(marks[2 * x + 1])) >= 0)
-				hit[x / THIN_SPAN] |= n->replaced ? 0 : HIT_DEPTH;
 		for (int x = 0; x < f->width; x++) {
 			slice s;
 			if (x % 8 == 0 && none_ahead(n, x, y)) {
 				x += 7;
 				continue;
 			}
-			if (!mixed_at(n, x, y) || (n->replaced && n->replaced[(ptrdiff_t)y * f->width + x]) ||
+			if (!mixed_at(n, x, y) || (n->replaced && n->replaced[(ptrdiff_t)y * f->width + x] & 1) ||
 			    !(ISA(slice_at)(n, AXIS_ROW, y, x, &s) || ISA(slice_at)(n, AXIS_COLUMN, x, y, &s)))
 				continue;
 			hit[x / THIN_SPAN] |= s.ground == object_at(f, x, y) ? HIT_DEPTH : HIT_OBJECT;
@@ -154,15 +126,12 @@ void ISA(thin_place)(const fine *n, const found *own_at, placed *s)
 	if (zp == zq || !ISA(slice_at)(n, own_at->axis, across, at + ahead, &own))
 		return;
 	run r = follow(n, own_at->axis, across, &own);
-	float square = squareness(&r), half = own.width > 0 ? 0.5f * own.width : half_of(&r),
-	      across_it = 2 * half * square;
+	float square = squareness(&r), half = half_of(&r), across_it = 2 * half * square;
 	float was = dx ? s->x - (float)x : s->y - (float)y;
 	s->thin = min(own.trust, ramp(-across_it, -widest_across, width_ramp - widest_across));
 	s->thin = min(s->thin, ramp((float)r.steps, shortest - length_ramp, shortest));
 	s->half = half * square;
-	float share = ISA(hand_place)(n, own_at) < 0
-			      ? was
-			      : mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
+	float share = mix(was, clamp01(own.middle + (ahead ? -half : half) - (float)at), s->thin);
 	s->inside = own.middle - (float)at - share;
 	crack_place(own_at, share, s);
 }
@@ -190,21 +159,14 @@ static void hits_about(const fine *n, int y, uint8_t *restrict hits)
 	}
 }
 
-/* Whether what stands out there in the averages alone is a narrow face, as the top of a board is, and no wire: meshes
- * tell of an edge there, and of wires that pass between two centres. */
-static bool is_face(const fine *n, const found *at, const slice *own)
-{
-	return !own->told && n->f->layer[ENCRE_LAYER_MARKS].data && ISA(crease_between)(n, at);
-}
-
 bool ISA(thin_site)(const fine *n, const found *at, placed *s)
 {
 	int x = at->column, y = at->row, hits = hits_near(n, x, y);
 	slice own;
-	if (!hits || !ISA(slice_between)(n, at->axis, x, y, &own) || is_face(n, at, &own))
+	if (!hits || !ISA(slice_between)(n, at->axis, x, y, &own))
 		return false;
 	run r = follow(n, at->axis, at->axis ? x : y, &own);
-	if ((r.hits == 0 && r.held < 2 && r.told < REACH) || r.steps < (int)shortest)
+	if (r.hits == 0 || r.steps < (int)shortest)
 		return false;
 	s->thin = 1;
 	s->half = half_of(&r) * squareness(&r);
@@ -230,18 +192,10 @@ void ISA(thin_mark)(const fine *n, int y, uint8_t *hits, uint16_t *ridge)
 		/* the axis that crosses it more squarely, along which it is narrower */
 		bool in_row = ISA(slice_between)(n, AXIS_ROW, x, y, &row),
 		     in_column = ISA(slice_between)(n, AXIS_COLUMN, x, y, &column);
-		bool narrower = row.told == column.told ? column.area < row.area : row.told;
-		int axis = in_column && (!in_row || narrower) ? AXIS_COLUMN : AXIS_ROW;
+		int axis = in_column && (!in_row || column.area < row.area) ? AXIS_COLUMN : AXIS_ROW;
 		found between = {(uint16_t)x, (uint16_t)y, FAMILY_THIN, (uint8_t)axis};
 		placed s = {0};
-		bool either = (in_row && row.told) || (in_column && column.told),
-		     lies = (in_row || in_column) && ISA(thin_site)(n, &between, &s);
-		if (!lies && either && in_row &&
-		    in_column) { /* of one that runs aslant, the way along which it goes on */
-			between.axis = (uint8_t)(axis = !axis);
-			lies = ISA(thin_site)(n, &between, &s);
-		}
-		if (lies)
+		if ((in_row || in_column) && ISA(thin_site)(n, &between, &s))
 			ridge[x] |= mark_of(FAMILY_THIN, axis);
 	}
 }

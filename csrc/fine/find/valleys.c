@@ -3,6 +3,7 @@
  * the valleys of how bright it is in the light of a lamp at the eye (Lee et al. 2007): a nose, lips and folds from the
  * front, where nothing jumps and nothing bends sharply. The light is blurred so far as one surface goes, between cracks
  * and creases; a valley counts by how far it rises again on both sides. */
+#include "base/between.h"
 #include "fine/near.h"
 
 #include <string.h>
@@ -34,16 +35,14 @@ void ISA(valley_plan)(fine *n, const edges *e, arena *a)
 	n->lit = arena_take(a, pixels, sizeof *n->lit);
 }
 
-/* Whether two surfaces meet on the way between two pixels, or one bends there. What is shaded flat bends at its edges
- * alone, however little: there it has no valley. Hollows of round forms have one beside them. */
+/* Whether two surfaces meet on the way between two pixels, or one bends there that is shaded flat: it bends at its
+ * edges alone, however little, and has no valley there. */
 static bool parts(const fine *n, int x, int y, int axis)
 {
 	if (x < 0 || y < 0)
 		return false;
-	int marks = n->crack[(ptrdiff_t)y * n->f->width + x];
-	return (marks & mark_of(FAMILY_CRACK, axis)) ||
-	       ((marks & mark_of(FAMILY_CREASE, axis)) && !ISA(crease_hollow)(n, x, y, axis)) ||
-	       (n->e->creases && ISA(crease_flat)(n, x, y, axis));
+	ptrdiff_t i = (ptrdiff_t)y * n->f->width + x;
+	return (n->crack[i] & mark_of(FAMILY_CRACK, axis)) || (n->bent && n->bent[i] >> axis & 1);
 }
 
 static bool is_cut(const fine *n, int x, int y)
@@ -291,76 +290,35 @@ static void mark_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-/* ---- bends beside them ----------------------------------------------------------------------------------- */
+/* ---- edges of meshes ------------------------------------------------------------------------------------- */
 
-/* 1 within a flank, 0 beyond two; of what may lie `loose` nearer. */
-static float nearness(const fine *n, float dx, float dy, float loose)
+static void note_bend(void *user, const passage *p)
 {
-	return clamp01(2 - (sqrtf(dx * dx + dy * dy) - loose) / (flank * n->form_sigma));
+	const fine *n = user;
+	bool bends = p->of->kind & (ENCRE_CHAIN_CREASE | ENCRE_CHAIN_MEET | ENCRE_CHAIN_BEVEL);
+	if (bends && !(p->of->kind & ENCRE_CHAIN_SMOOTH))
+		n->bent[(ptrdiff_t)p->y * n->f->width + p->x] |= (uint8_t)(1 << p->down);
 }
 
-/* How clear the valley of a pixel is, and how near. */
-static float clear_near(const fine *n, int column, int row, float x, float y)
+static int32_t find_bends(fine *n)
 {
-	float threshold = n->e->p->edge_threshold, most = 0;
-	for (int axis = 0; axis < 2; axis++) {
-		found at = {(uint16_t)column, (uint16_t)row, FAMILY_VALLEY, (uint8_t)axis};
-		placed its = {0};
-		bool marked = n->more[(ptrdiff_t)row * n->f->width + column] & mark_of(FAMILY_VALLEY, axis);
-		if (!marked || !ISA(valley_site)(n, &at, &its))
-			continue;
-		float clear = threshold > 0 ? clamp01(2 * its.strength / threshold - 1) : 1;
-		most = max(most, clear * nearness(n, its.x - x, its.y - y, 0));
-	}
-	return most;
-}
-
-/* A hollow of a round form beside a valley is one side of the same fold: the valley is whole, and the bend comes and
- * goes with how faces lie. */
-float ISA(valley_beside)(const fine *n, const found *at, const placed *s)
-{
-	if (!n->lit || !ISA(crease_hollow)(n, at->column, at->row, at->axis))
-		return 0;
-	int reach = (int)(2 * flank * n->form_sigma) + 2, width = n->f->width;
-	int left = clamp_index(at->column - reach, width), right = clamp_index(at->column + reach, width);
-	int top = clamp_index(at->row - reach, n->f->height), last = clamp_index(at->row + reach, n->f->height);
-	float most = 0;
-	for (int y = top; y <= last; y++)
-		for (int x = left; x <= right && most < 1; x++) {
-			const uint16_t *ridge = n->ridge + (ptrdiff_t)y * width + x;
-			uint64_t four;
-			if (x + 4 <= right && (memcpy(&four, ridge, sizeof four), four == 0))
-				x += 3;
-			else if ((*ridge & RIDGE_MORE) && nearness(n, (float)x - s->x, (float)y - s->y, 0.5f) > most)
-				most = max(most, clear_near(n, x, y, s->x, s->y));
-		}
-	return most;
-}
-
-static void clear_rows(void *data, int y0, int y1, int thread)
-{
-	(void)thread;
-	const fine *n = data;
-	int width = n->f->width;
-	for (int y = y0; y < y1 && !bands_stopped(n->f->bands); y++)
-		for (int x = 0; x < width; x++)
-			for (int axis = 0; axis < 2; axis++) {
-				found at = {(uint16_t)x, (uint16_t)y, FAMILY_CREASE, (uint8_t)axis};
-				placed s = {0};
-				uint8_t *marks = n->crack + (ptrdiff_t)y * width + x,
-					own = (uint8_t)mark_of(FAMILY_CREASE, axis);
-				if ((*marks & own) && ISA(crease_site)(n, &at, &s) &&
-				    !(ISA(valley_beside)(n, &at, &s) < 1))
-					*marks &= (uint8_t)~own;
-			}
+	size_t pixels = (size_t)n->f->width * (size_t)n->f->height;
+	if (!n->f->n_chains)
+		return ENCRE_OK;
+	n->bent = late_take(&n->f->late, pixels, 1);
+	if (!n->bent)
+		return ENCRE_ERROR_MEMORY;
+	memset(n->bent, 0, pixels);
+	between_each(n->f, note_bend, n);
+	return ENCRE_OK;
 }
 
 int32_t ISA(valley_run)(fine *n)
 {
-	int32_t code = bands_run(n->f->bands, n->f->height, 0, blur_rows, n);
+	int32_t code = find_bends(n);
+	code = code ? code : bands_run(n->f->bands, n->f->height, 0, blur_rows, n);
 	code = code ? code : bands_run(n->f->bands, n->f->height, 0, blur_columns, n);
-	code = code ? code : bands_run(n->f->bands, n->f->height, 0, mark_rows, n);
-	return code ? code : bands_run(n->f->bands, n->f->height, 0, clear_rows, n);
+	return code ? code : bands_run(n->f->bands, n->f->height, 0, mark_rows, n);
 }
 
 ptrdiff_t ISA(valley_scratch)(const fine *n)

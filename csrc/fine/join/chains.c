@@ -61,7 +61,7 @@ static bool is_meant(const fine *n, const site *s)
 {
 	if (is_chain(s))
 		return (rank_of(s) == RANK_SHAPE && !chain_of(n, s)->folded) || is_by_hand(n, s);
-	return (rank_of(s) == RANK_SHAPE && !s->placed.told && bounds_thing(n->f, &s->found)) || is_by_hand(n, s);
+	return (rank_of(s) == RANK_SHAPE && bounds_thing(n->f, &s->found)) || is_by_hand(n, s);
 }
 
 static float least_length(const frame *f, const site *s)
@@ -69,12 +69,12 @@ static float least_length(const frame *f, const site *s)
 	return params_at(f, s->placed.near_x, s->placed.near_y)->line_shortest * f->scale;
 }
 
-/* A place of a contour, of a jump within a thing or of pieces that meet, by itself. */
+/* A place of a contour, of a jump within a thing, by itself. */
 static bool is_lone(const fine *n, uint32_t i)
 {
 	const site *s = n->site + i;
-	bool lone = s->found.family == FAMILY_CRACK || s->found.family == FAMILY_CREASE;
-	return lone && links_at(n, i) == 0 && !is_meant(n, s) && least_length(n->f, s) > 0 && !at_border(n->f, s);
+	return s->found.family == FAMILY_CRACK && links_at(n, i) == 0 && !is_meant(n, s) && least_length(n->f, s) > 0 &&
+	       !at_border(n->f, s);
 }
 
 /* Pixels round: closed lines of that length are as wide as others, and gone; test_spots */
@@ -123,17 +123,6 @@ static void drop_ring(const fine *n, uint32_t i)
 	}
 }
 
-/* How far from one site to the next; of an edge of a mesh as if it were as wide as others, for the little that is left
- * of one beside an outline is a speck. */
-static float inked(const fine *n, uint32_t i, uint32_t j)
-{
-	const site *s = n->site + i, *t = n->site + j;
-	float left = 1;
-	if (s->found.family == FAMILY_CREASE && t->found.family == FAMILY_CREASE)
-		left -= (float)(s->placed.eased + t->placed.eased) / 510;
-	return left * sqrtf(apart2(s, t));
-}
-
 /* Whether all that hangs together with a free end is too short for a line and free at all its ends: it is in `found`,
  * marked as a crumb until drop_if_short() goes on. */
 static bool is_short(const fine *n, uint32_t i, uint32_t *found, uint32_t *count)
@@ -148,7 +137,7 @@ static bool is_short(const fine *n, uint32_t i, uint32_t *found, uint32_t *count
 			return false;
 		for (uint32_t link = n->at[at]; link < n->at[at + 1]; link++) {
 			uint32_t next = n->to[link];
-			length += inked(n, at, next) / 2; /* it is met from both ends */
+			length += sqrtf(apart2(n->site + at, n->site + next)) / 2; /* it is met from both ends */
 			if (n->site[next].linked.crumb)
 				continue;
 			n->site[next].linked.crumb = true;

@@ -5,10 +5,6 @@
 
 enum { CHUNK = 512 };
 
-/* Sites of an edge of a mesh that hang together beside older lines, from which on it has all its width: it comes by
- * degrees, for it is led on to these. */
-enum { whole_edge = 5 };
-static const uint32_t long_contour = 24; /* sites that hang together: however faint, it is a line */
 /* Pixels that a step keeps from the stripes in its own layer, and within which one holds it; test_fine_passes */
 static const float clear_of_band = 2, held_by_band = 3;
 
@@ -38,7 +34,9 @@ static bool owned(const fine *n, const site *s)
 	near_sites of = near_site(n, s, clear_of_band);
 	for (uint32_t i; near_next(n, &of, &i);) {
 		const site *other = n->site + i;
-		if (other->found.family >= s->found.family || other->linked.dropped) /* its own are being dropped now */
+		if (other->found.family >= s->found.family ||
+		    other->linked.dropped || /* its own are being dropped now */
+		    rank_of(other) > rank_of(s))
 			continue;
 		float clear = other->found.family == band ? clear_of_band : clear_from(s, other);
 		if (apart2(s, other) < clear * clear || is_side(s, other))
@@ -97,8 +95,7 @@ static int32_t hold_on(fine *n, uint32_t *open, uint32_t *count)
 	return code;
 }
 
-/* Holds those that hang together with one that is not weak or a stripe, and contours that are long, and drops the
- * others. */
+/* Holds those that hang together with one that is not weak or a stripe, and drops the others. */
 static int32_t drop_weak(const turn *t)
 {
 	fine *n = t->n;
@@ -125,16 +122,6 @@ static int32_t drop_weak(const turn *t)
 			open[open_count++] = i;
 	}
 	code = code ? code : hold_on(n, open, &open_count);
-	for (uint32_t i = t->first; !code && t->is == families + FAMILY_CRACK && i < end; i++) {
-		if (!is_weak(n->site + i) || n->site[i].linked.held)
-			continue;
-		open[0] = i;
-		open_count = 1;
-		n->site[i].linked.held = true;
-		code = hold_on(n, open, &open_count);
-		for (uint32_t k = 0; k < open_count && open_count < long_contour; k++)
-			n->site[open[k]].linked.held = false;
-	}
 	for (uint32_t i = t->first; !code && i < end; i++) {
 		code = at_step(n, i);
 		n->site[i].linked.dropped |= n->site[i].placed.weak && !n->site[i].linked.held;
@@ -163,18 +150,6 @@ static int hanging(const fine *n, uint32_t i, int wanted)
 	return count;
 }
 
-/* However few: the rasteriser says of two pieces that they meet there. */
-static bool is_told(const fine *n, uint32_t i)
-{
-	const site *s = n->site + i;
-	return s->found.family == FAMILY_CREASE && ISA(crease_through)(n->f, &s->found);
-}
-
-static uint8_t thinned(uint8_t eased, float left)
-{
-	return (uint8_t)(255 - min(left, 1) * (float)(255 - eased) + 0.5f);
-}
-
 static void find_crumbs(void *data, int first, int end, int thread)
 {
 	(void)thread;
@@ -182,14 +157,8 @@ static void find_crumbs(void *data, int first, int end, int thread)
 	for (int k = first; k < end && !stopped_at(t->n, k); k++) {
 		uint32_t i = t->first + (uint32_t)k;
 		site *s = t->n->site + i;
-		if (s->linked.dropped || is_told(t->n, i))
-			continue;
-		bool edge = s->found.family == FAMILY_CREASE;
-		int least = t->is->crumb, count = hanging(t->n, i, edge ? whole_edge : least);
-		s->linked.crumb = count < least;
-		if (edge && !s->linked.crumb)
-			s->placed.eased =
-				thinned(s->placed.eased, (float)(count - least + 1) / (float)(whole_edge - least + 1));
+		if (!s->linked.dropped)
+			s->linked.crumb = hanging(t->n, i, t->is->crumb) < t->is->crumb;
 	}
 }
 

@@ -107,7 +107,8 @@ static void find_next(void *data, int first, int end, int thread)
 	const crowd *c = data;
 	for (int i = first; i < end && !stopped_at(c->n, i); i++)
 		if (counts(c->n->site + i, c->rank)) {
-			float turns = c->rank == RANK_COLOR ? ISA(color_turns)(c->n, &c->n->site[i].found) : 0;
+			bool pixels = c->rank == RANK_COLOR && !is_chain(c->n->site + i);
+			float turns = pixels ? ISA(color_turns)(c->n, &c->n->site[i].found) : 0;
 			c->near[i] = max(1 / distance_to_next(c, (uint32_t)i),
 					 clamp01((turns - turns_from) / (turns_full - turns_from)));
 		}

@@ -15,23 +15,17 @@ static const float most_beside = 0.5f;  /* of a chain's length; test_fine_passes
 /* A line that turns to and fro more is a scribble round what pixels can't show. Light ends at the borders of faces, and
  * what is filled there with it, however often these turn: only noise turns more; test_fine_passes */
 static const float most_wiggle = 0.12f, most_wiggle_light = 0.3f;
-/* Meshes place their edges exactly, and what is left of those of a small thing is a corner or two: it thins out from
- * most_wiggle on, and is gone here; test_fine_passes */
-static const float gone_wiggle_edge = 0.3f;
 /* pixels: shorter lines of light, and of what mirrors and glass show, that meet nothing are noise; test_fine_passes */
 static const float least_light = 6, least_seen = 9;
-/* pixels: shorter ways round what the rasteriser does not confirm are noise in numbers and depths; test_fine_passes */
-static const float least_round = 9;
-
 /* A run of sites between those at which not exactly two meet. */
 typedef struct chain {
 	uint32_t first, second; /* its first sites */
 	float length;
-	int rank;          /* of its oldest part */
-	float wiggle;      /* variance of the sines of half the angles by which it turns, pixel by pixel */
-	int loose;         /* how many of its ends lead nowhere */
-	bool closed, edge; /* edge: of a mesh, all of it */
-	bool chain;        /* some of it comes from chains of edges, and stays */
+	int rank;     /* of its oldest part */
+	float wiggle; /* variance of the sines of half the angles by which it turns, pixel by pixel */
+	int loose;    /* how many of its ends lead nowhere */
+	bool closed;
+	bool chain; /* some of it comes from chains of edges, and stays */
 } chain;
 
 static const uint32_t NONE = UINT32_MAX; /* an enumerator is an int */
@@ -90,11 +84,7 @@ static uint32_t following(const fine *n, const chain *c, uint32_t from, uint32_t
 static void add(beside *b, uint32_t first, uint32_t second)
 {
 	const fine *n = b->n;
-	chain c = {.first = first,
-		   .second = second,
-		   .rank = RANK_COUNT,
-		   .edge = true,
-		   .loose = ISA(leads_nowhere)(n, first)};
+	chain c = {.first = first, .second = second, .rank = RANK_COUNT, .loose = ISA(leads_nowhere)(n, first)};
 	uint32_t last = first, anchor = first;
 	float way[2] = {0}, sum = 0, squares = 0;
 	int count = 0;
@@ -120,7 +110,6 @@ static void add(beside *b, uint32_t first, uint32_t second)
 		if (links_at(n, at) > 2)
 			continue;
 		b->chain[at] = b->count;
-		c.edge &= n->site[at].found.family == FAMILY_CREASE;
 		/* what is drawn by hand is meant */
 		c.chain |= is_chain(n->site + at);
 		int rank = is_by_hand(n, n->site + at) ? RANK_SHAPE : rank_of(n->site + at);
@@ -164,38 +153,6 @@ static int by_weight(const void *a, const void *b)
 	return by ? by : order_of(p->second, q->second);
 }
 
-/* Whether a contour or a line by hand passes between two pixels at a site or beside it. */
-static bool is_known(const fine *n, const site *s)
-{
-	for (int dy = -1; dy <= 1; dy++)
-		for (int dx = -1; dx <= 1; dx++)
-			for (int axis = AXIS_ROW; axis <= AXIS_COLUMN; axis++) {
-				found at = {.column = (uint16_t)clamp_index(s->found.column + dx, n->f->width),
-					    .row = (uint16_t)clamp_index(s->found.row + dy, n->f->height),
-					    .axis = (uint8_t)axis};
-				if (ISA(hand_place)(n, &at) != 0)
-					return true;
-			}
-	return false;
-}
-
-/* Drops what goes round a few pixels, if the frame has what the rasteriser knows of meshes, and not of these. */
-static void choose_round(const beside *b, const chain *c)
-{
-	const fine *n = b->n;
-	if (!n->e->creases || !n->f->layer[ENCRE_LAYER_MARKS].data || !c->closed || c->length >= least_round)
-		return;
-	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
-		next = following(n, c, from, at);
-		if (n->site[at].found.family != FAMILY_CRACK || is_known(n, n->site + at))
-			return;
-	}
-	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next) {
-		next = following(n, c, from, at);
-		n->site[at].linked.dropped = true;
-	}
-}
-
 /* How much of a chain lies beside older lines. */
 static float length_beside(const beside *b, const chain *c)
 {
@@ -210,34 +167,19 @@ static float length_beside(const beside *b, const chain *c)
 	return length;
 }
 
-/* How much of its width a chain keeps that turns to and fro. */
-static float left_of_wiggle(const chain *c)
-{
-	float most = c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle;
-	if (c->rank == RANK_SHAPE || !(c->wiggle > most))
-		return 1;
-	return c->edge ? max(0, (gone_wiggle_edge - c->wiggle) / (gone_wiggle_edge - most)) : 0;
-}
-
 static void choose(beside *b, const chain *c)
 {
 	const fine *n = b->n;
 	if (c->chain)
 		return;
-	float left = left_of_wiggle(c);
-	/* light and edges of meshes thin out beside what is older (rooms.c) */
-	bool drop = c->rank != RANK_LIGHT && !c->edge && c->loose && length_beside(b, c) > most_beside * c->length;
-	drop |= !(left > 0);
+	/* light thins out beside what is older (borders.c) */
+	bool drop = c->rank != RANK_LIGHT && c->loose && length_beside(b, c) > most_beside * c->length;
+	drop |= c->wiggle > (c->rank == RANK_LIGHT ? most_wiggle_light : most_wiggle);
 	float least = c->rank == RANK_LIGHT ? least_light : c->rank == RANK_SEEN ? least_seen : 0;
 	drop |= c->length < least && (c->loose == 2 || c->closed);
 	for (uint32_t from = UINT32_MAX, at = c->first, next; at != UINT32_MAX; from = at, at = next, b->steps++) {
-		placed *s = &n->site[at].placed;
 		next = following(n, c, from, at);
-		if (links_at(n, at) > 2)
-			continue;
-		n->site[at].linked.dropped |= drop;
-		if (left < 1 && (from == UINT32_MAX || at != c->first)) /* what is closed comes back to it */
-			s->eased = (uint8_t)(255 - left * (float)(255 - s->eased) + 0.5f);
+		n->site[at].linked.dropped |= drop && links_at(n, at) <= 2;
 	}
 }
 
@@ -255,10 +197,8 @@ int32_t ISA(fine_drop_beside)(fine *n)
 		return code;
 	qsort(b.list, b.count, sizeof *b.list, by_weight);
 	uint32_t i = 0;
-	for (; !code && i < b.count && b.list[i].rank == RANK_SHAPE; i++) {
-		choose_round(&b, b.list + i);
-		code = at_step(n, i);
-	}
+	while (i < b.count && b.list[i].rank == RANK_SHAPE)
+		i++;
 	for (b.rank = RANK_CREASE; !code && b.rank < RANK_COUNT; b.rank++) {
 		code = bands_run(n->f->bands, (int)n->count, CHUNK, find_near, &b);
 		for (; !code && i < b.count && b.list[i].rank <= b.rank; i++)

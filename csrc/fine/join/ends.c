@@ -354,8 +354,7 @@ static int32_t find_ends(ends *all)
 	return code;
 }
 
-/* Sites behind all others, and with them all cells. */
-static int32_t add_sites(fine *n, const site *from, uint32_t count)
+int32_t ISA(fine_add_sites)(fine *n, const site *from, uint32_t count)
 {
 	if (!count)
 		return ENCRE_OK;
@@ -406,7 +405,7 @@ static int32_t round_of(fine *n)
 	late_drop(&n->f->late, all.member);
 	late_drop(&n->f->late, all.pair);
 	if (!code)
-		code = add_sites(n, to.site, to.sites);
+		code = ISA(fine_add_sites)(n, to.site, to.sites);
 	if (!code)
 		code = ISA(fine_add_links)(n, to.link, to.count);
 	late_drop(&n->f->late, to.link);

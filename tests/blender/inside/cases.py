@@ -21,9 +21,12 @@ import bumps  # noqa: E402
 import cycles_light  # noqa: E402
 import details  # noqa: E402
 import distances  # noqa: E402
+import eyes  # noqa: E402
 import failures  # noqa: E402
 import filters  # noqa: E402
+import flats  # noqa: E402
 import geometry  # noqa: E402
+import greased  # noqa: E402
 import keeping  # noqa: E402
 import kinds  # noqa: E402
 import lids  # noqa: E402
@@ -33,17 +36,19 @@ import painting  # noqa: E402
 import patterns  # noqa: E402
 import pictures  # noqa: E402
 import quick  # noqa: E402
+import searched  # noqa: E402
 import slotted  # noqa: E402
 import staged  # noqa: E402
 import supersampling  # noqa: E402
 import surfaces  # noqa: E402
 import swatches  # noqa: E402
 import unusual  # noqa: E402
+import wild  # noqa: E402
 
 CASES = {name: case for topic in (pictures, cycles_light, geometry, failures, supersampling, baking, details,
                                   keeping, surfaces, lids, lit, painting, patterns, quick, anchors, distances, slotted,
                                   staged, bumps, unusual, kinds, filters, swatches,
-                                  anytrees, looked)
+                                  anytrees, looked, greased, searched, wild, flats, eyes)
          for name, case in vars(topic).items()}
 
 

@@ -124,6 +124,29 @@ def _size(path):
     return [size, max(pixels[:3]) - min(pixels[:3]), min(pixels), max(pixels)]
 
 
+def levels_by_ramp():
+    """Levels as a color ramp has them, untouched, with a stop more, and what the dialog leaves of both."""
+    from encre.blender.panels import levels
+    from encre.pen import library
+
+    group, holder = bpy.context.scene.encre, bpy.data.textures.new("Encre Levels", "BLEND")
+    before, made = [(0.5, 0, 0, 1, 1, 1), (0.7, 0.5, 0.1, 1, 0.5, 0.25), (1.1, 0.9, 0.02, 1, 1, 1)], []
+    kept = [(v.intensity, v.threshold, v.transition, *v.color) for v in group.shade_levels]
+    holder.use_color_ramp = True
+    levels.fill_ramp(holder.color_ramp, before, 1.5)
+    made.append(levels.read_ramp(holder.color_ramp, before, 1.5))
+    holder.color_ramp.elements.new(0.61).color = (0.9, 0.9, 1, 1)
+    made.append(levels.read_ramp(holder.color_ramp, before, 1.5))
+    library.check({"shade_levels": made[1]})
+    bpy.ops.encre.level_ramp(held=holder.name)
+    made.append([v.intensity for v in group.shade_levels])
+    group.shade_levels.clear()
+    for values in kept:
+        row = group.shade_levels.add()
+        row.intensity, row.threshold, row.transition, row.color = *values[:3], values[3:]
+    return before, made, "Encre Levels" in bpy.data.textures
+
+
 def settings(_out):
     """Settings copied from scene and style to scene and style, and rows reset."""
     scene = stage(16, 16, 1)
@@ -142,6 +165,7 @@ def settings(_out):
     bpy.ops.encre.style_store(param="hatch_amount")
     mine.styles[0].hatch_amount = 0.25
     fact("first", [of(mine), of(mine.styles[0])])
+    fact("ramp", levels_by_ramp())
     bpy.ops.encre.settings_copy(path="scene")
 
     other = bpy.data.scenes.new("Other")

@@ -314,8 +314,8 @@ def flat_mirror(out):
 
 
 def what_is_not_shown(out):
-    """A bump by what is unknown in a group, displacement, fog, a volume and a bump that nothing reads; and a volume
-    that is unseen."""
+    """A bump by what is unknown in a group, displacement, fog, a volume and a bump that nothing reads; a volume
+    that is unseen; and a ball that Cycles divides."""
     scene = stage()
     tree = bpy.data.materials["Red"].node_tree
     group = tree.nodes.new("ShaderNodeGroup")
@@ -338,6 +338,11 @@ def what_is_not_shown(out):
     for name, seen in (("Fog", True), ("Hidden", False)):
         fog = link(name, bpy.data.volumes.new(name))
         fog.visible_camera = seen
+    ball = bpy.data.objects["Ball"]
+    divided = ball.modifiers.new("Divided", "SUBSURF")
+    scene.cycles.feature_set = "EXPERIMENTAL"
+    owner = divided if hasattr(divided, "use_adaptive_subdivision") else ball.cycles
+    owner.use_adaptive_subdivision = True
     scene.encre.layer_source = "ENCRE"
     shoot(out, "less")
 
@@ -479,6 +484,27 @@ def normal_maps(out):
         for turn in [node for node in mat.node_tree.nodes if node.bl_idname == "ShaderNodeNormalMap"]:
             turn.inputs["Strength"].default_value = 0
     shoot(out, "flat")
+    _print_on(bpy.data.objects["Tile"])
+    look = scene.encre
+    look.edge_detector, look.color_layer, look.use_lines, look.line_color_strength = "FINE", "ALBEDO", True, 1.0
+    look.line_outline_strength = look.line_inner_strength = look.line_crease_strength = 0.0
+    shoot(out, "printed")
+    look.line_color_strength = 0.0
+    shoot(out, "unprinted")
+
+
+def _print_on(obj):
+    """Gives it a picture whose colors are turned, and the others normal maps again, which read more of meshes."""
+    for mat in bpy.data.materials:
+        for turn in [node for node in mat.node_tree.nodes if node.bl_idname == "ShaderNodeNormalMap"]:
+            turn.inputs["Strength"].default_value = 1
+    mat = bpy.data.materials.new("Print")
+    mat.use_nodes = True
+    tree = mat.node_tree
+    turned = _new(tree, "HueSaturation", Saturation=0.9)
+    tree.links.new(_picture(tree), turned.inputs["Color"])
+    tree.links.new(turned.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    obj.data.materials[0] = mat
 
 
 def _tangents_apart(mesh):

@@ -110,6 +110,10 @@ def view_transforms(out):
     said("washed out", scene)
     scene.view_settings.view_transform = "Standard"
     said("standard", scene)
+    view = scene.view_settings
+    view.view_transform, view.exposure, scene.render.engine = "Filmic", 2, "CYCLES"
+    said("another engine", scene)
+    fact("another engine", [view.view_transform, view.exposure])
 
 
 def files_amiss(out):

@@ -201,7 +201,7 @@ def pictures_of_files(out):
         pictures.turn()
         known.keep_files()
         kept.append(bool(known._known))
-        values.append(float(known.get(image, "repeat").texels[0, 0]))
+        values.append(float(known.get(image, "repeat").texels[0, 0]) / 255)
 
     def paint(grey):
         image.pixels.foreach_set(np.full(4 * 4 * 4, grey, np.float32))

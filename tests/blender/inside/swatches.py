@@ -64,26 +64,28 @@ def lay(blocks, change=None):
             change(k, square)
 
 
-def _middles(picture, count):
-    half = PIXELS // 2
-    return np.array([picture[k // ROW * PIXELS + half, k % ROW * PIXELS + half] for k in range(count)])
+def _middles(picture, count, grid):
+    row, pixels = grid
+    half = pixels // 2
+    return np.array([picture[k // row * pixels + half, k % row * pixels + half] for k in range(count)])
 
 
-def _look(count):
+def look(row=ROW):
+    """A camera before `row` rows of squares."""
     scene, camera = bpy.context.scene, bpy.data.cameras.new("Camera")
-    camera.type, camera.ortho_scale = "ORTHO", ROW
+    camera.type, camera.ortho_scale = "ORTHO", row
     eye = bpy.data.objects.new("Camera", camera)
-    eye.location = (ROW - 1) / 2, -(ROW - 1) / 2, 5
+    eye.location = (row - 1) / 2, -(row - 1) / 2, 5
     scene.collection.objects.link(eye)
     scene.camera = eye
 
 
-def by_cycles(out, name, count):
-    """(colour without light (count, 3), how opaque it is (count,))."""
+def by_cycles(out, name, count, samples=1, grid=(ROW, PIXELS)):
+    """(colour without light (count, 3), how opaque it is (count,)). grid: squares in a row, pixels of one."""
     scene = bpy.context.scene
     cycles, layer = scene.cycles, scene.view_layers[0]
     scene.render.engine, scene.render.film_transparent = "CYCLES", True
-    cycles.samples, cycles.max_bounces, cycles.use_denoising = 1, 0, False
+    cycles.samples, cycles.max_bounces, cycles.use_denoising = samples, 0, False
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 0.01
     for part in ("diffuse_color", "glossy_color", "transmission_color", "emit"):
         setattr(layer, f"use_pass_{part}", True)
@@ -100,10 +102,10 @@ def by_cycles(out, name, count):
     parts = [[found[part][c] for c in "RGB"] for part in ("DiffCol", "GlossCol", "TransCol", "Emit")]
     read = file.read([channel for three in [*parts, found["Combined"].values()] for channel in three])
     color = sum(np.stack([read[channel] for channel in three], 2) for three in parts)
-    return _middles(np.maximum(color, 0), count), _middles(read[found["Combined"]["A"]], count)
+    return _middles(np.maximum(color, 0), count, grid), _middles(read[found["Combined"]["A"]], count, grid)
 
 
-def by_encre(count):
+def by_encre(count, grid=(ROW, PIXELS)):
     """(colour (count, 3), whether it is there (count,), what is said of the scene)."""
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
     scene.encre.layer_source = "ENCRE"
@@ -115,14 +117,14 @@ def by_encre(count):
     projection = np.array(camera.calc_matrix_camera(depsgraph, x=width, y=height))
     drawn = read.pictures(view, projection, Frame(width, height, 0, 0, 1), (width, height), settings)
     color = drawn["color"] + drawn["gloss"] + drawn["emission"]
-    return _middles(color, count), _middles(drawn["object"], count)[:, 0] > 0, "\n".join(read.notes)
+    return _middles(color, count, grid), _middles(drawn["object"], count, grid)[:, 0] > 0, "\n".join(read.notes)
 
 
 def compare(out, name, makes, change=None):
     """Tells by name (by Cycles, by Encre, whether it is said that they differ)."""
     blocks = [made(*item) for item in makes.items()]
     lay(blocks, change)
-    _look(len(blocks))
+    look()
     (theirs, alpha), (ours, there, said) = by_cycles(out, name, len(blocks)), by_encre(len(blocks))
     for k, label in enumerate(makes):
         fact(label, [theirs[k].tolist(), ours[k].tolist(), float(alpha[k]), bool(there[k]), f"{label} (" in said])
@@ -201,10 +203,10 @@ def _alpha_of(kind):
     return make
 
 
-def _ramp(mode):
+def _ramp(mode, interpolation="LINEAR"):
     def make(tree):
         node = add(tree, "ValToRGB")
-        node.color_ramp.color_mode = mode
+        node.color_ramp.color_mode, node.color_ramp.interpolation = mode, interpolation
         for stop, color in zip(node.color_ramp.elements, ((0.9, 0.2, 0.1, 1), (0.1, 0.3, 0.8, 1)), strict=True):
             stop.color = color
         tree.links.new(_value(tree), node.inputs[0])
@@ -224,6 +226,74 @@ def _base(source):
 
 def _attribute(name, output="Color", kind="GEOMETRY"):
     return shown(lambda tree: add(tree, "Attribute", attribute_name=name, attribute_type=kind).outputs[output])
+
+
+_GLOSSY = "BsdfGlossy" if hasattr(bpy.types, "ShaderNodeBsdfGlossy") else "BsdfAnisotropic"
+
+
+def _metal(kind, rough):
+    """Light that goes from facet to facet of a rough metal takes its colour each time."""
+    def make(tree, output):
+        node = add(tree, kind if hasattr(bpy.types, "ShaderNode" + kind) else _GLOSSY)
+        node.inputs[0].default_value, node.inputs["Roughness"].default_value = (0.9, 0.6, 0.2, 1), rough
+        tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return make
+
+
+def _combined(tree, mode, values):
+    node = add(tree, "CombineColor", mode=mode)
+    for socket, value in zip(node.inputs, values, strict=True):
+        socket.default_value = value
+    return node.outputs[0]
+
+
+@shown
+def _muted_way(tree):
+    """A colour through a muted node that puts out a number."""
+    node = add(tree, "TexChecker", mute=True)
+    tree.links.new(_rgb(tree), node.inputs["Color1"])
+    return node.outputs["Fac"]
+
+
+@shown
+def _of_group(tree):
+    inside = bpy.data.node_groups.new("Group", "ShaderNodeTree")
+    versions.group_socket(inside, "Vector", "Vector")
+    versions.group_socket(inside, "Color", "Color", output=True)
+    into, end = inside.nodes.new("NodeGroupInput"), inside.nodes.new("NodeGroupOutput")
+    pattern = add(inside, "TexGradient")
+    inside.links.new(into.outputs[0], pattern.inputs[0])
+    inside.links.new(pattern.outputs[0], end.inputs[0])
+    return add(tree, "Group", node_tree=inside).outputs[0]
+
+
+@shown
+def _curved(tree):
+    node, given = add(tree, "RGBCurve"), add(tree, "RGB")
+    node.mapping.curves[3].points[1].location = (1, 0.4)
+    given.outputs[0].default_value = (2, 1.5, 0.5, 1)
+    tree.links.new(given.outputs[0], node.inputs["Color"])
+    return node.outputs[0]
+
+
+@shown
+def _range_of_nothing(tree):
+    node = add(tree, "MapRange")
+    for socket, value in zip(node.inputs, (0.5, 0.3, 0.3, 0.4, 0.9), strict=False):
+        socket.default_value = value
+    return node.outputs[0]
+
+
+@shown
+def _between(tree):
+    """Bytes are mixed before they are made light."""
+    image = bpy.data.images.new("Two", 2, 1)
+    image.pixels[:] = [0, 0, 0, 1, 1, 0.8, 0.6, 1]
+    image.pack()
+    node, at = add(tree, "TexImage", image=image, extension="EXTEND"), add(tree, "CombineXYZ")
+    at.inputs[0].default_value = at.inputs[1].default_value = 0.5
+    tree.links.new(at.outputs[0], node.inputs[0])
+    return node.outputs[0]
 
 
 def _fog(tree, output):
@@ -263,6 +333,14 @@ LINKS = {
     "alpha of an attribute": _attribute("Color", "Alpha"), "object's colour": _attribute("color", kind="OBJECT"),
     "property": _attribute("tint", kind="OBJECT"), "property by its path": _attribute('["tint"]', kind="INSTANCER"),
     "alpha of a colour": shown(lambda tree: add(tree, "VertexColor", layer_name="Color").outputs["Alpha"]),
+    "metal, rough": _metal("BsdfMetallic", 0.8), "gloss, rough": _metal(_GLOSSY, 1.0),
+    "muted, to a number and back": _muted_way, "group's vector from nowhere": _of_group,
+    "hue beyond 1": shown(lambda tree: _combined(tree, "HSV", (2.4, 0.8, 0.7))),
+    "hue beyond 1, HSL": shown(lambda tree: _combined(tree, "HSL", (2.4, 0.8, 0.7))),
+    "curve beyond its end": _curved, "constant ramp of HSV": _ramp("HSV", "CONSTANT"),
+    "range of nothing": _range_of_nothing, "picture between texels": _between,
+    "map by an attribute": shown(lambda tree: add(tree, "UVMap", uv_map="Vector").outputs[0]),
+    "map of the instancer": shown(lambda tree: add(tree, "UVMap", from_instancer=True).outputs[0]),
     "no colour's alpha": shown(lambda tree: add(tree, "VertexColor", layer_name="none").outputs["Alpha"]),
 }
 
@@ -275,6 +353,8 @@ def _turned_and_painted(k, square):
                 item.value = value
     for item in data.color_attributes.new("Color", "FLOAT_COLOR", "CORNER").data:
         item.color = (0.8, 0.2, 0.9, 0.3)
+    for item in data.attributes.new("Vector", "FLOAT_VECTOR", "POINT").data:
+        item.vector = (0.3, 0.9, 0.4)
     square.color, square["tint"] = (0.2, 0.9, 0.3, 1), (0.9, 0.8, 0.1)
     if label in ("Fresnel", "Facing", "Layer Weight", "Incoming"):
         square.rotation_euler.x = math.radians(40)
@@ -344,7 +424,7 @@ def placed(out):
         square.cycles.use_distance_cull = culls
         scene.collection.objects.link(square)
         labels.append(label)
-    _look(len(labels))
+    look()
     fact("alpha", dict(zip(labels, by_cycles(out, "placed", len(labels))[1].tolist(), strict=True)))
     scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
     shoot(out, "ours")
@@ -420,7 +500,7 @@ def fog(out):
     for name in ("world", "box"):
         scene = empty()
         lay([made(f"Glow {k}", _to_surface(_glow)) for k in range(3)])
-        _look(3)
+        look()
         for k in range(3):
             bpy.data.objects[f"Glow {k}"].location.z = -10 * k
         world = bpy.data.worlds.new("World")
@@ -483,3 +563,45 @@ def decals(out):
         except TypeError:  # which this Blender has not
             continue
     compare(out, "decals", makes)
+
+
+# Shadows alone
+
+def caught(out):
+    """A cube and its shadow on a catcher that a collection places, by both, on a film that shows through and on one
+    that does not."""
+    scene = empty()
+    scene.render.resolution_x, scene.render.resolution_y = 96, 54
+    cube("Cube", (0, 0, 1), 1.2, made("Matt", _to_surface(lambda tree: add(tree, "BsdfDiffuse").outputs[0])))
+    scene.cycles.max_bounces = 0
+    own = bpy.data.collections.new("Ground")
+    mesh = bpy.data.meshes.new("Ground")
+    mesh.from_pydata([(-6, -6, 0), (6, -6, 0), (6, 6, 0), (-6, 6, 0)], [], [(0, 1, 2, 3)])
+    own.objects.link(bpy.data.objects.new("Ground", mesh))
+    owner = bpy.data.objects.new("Owner", None)
+    owner.instance_type, owner.instance_collection, owner.is_shadow_catcher = "COLLECTION", own, True
+    scene.collection.objects.link(owner)
+    world = bpy.data.worlds.new("World")
+    scene.world, world.use_nodes = world, True
+    back = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    back.inputs[0].default_value = (0.3, 0.4, 0.6, 1)
+    lamp = bpy.data.lights.new("Sun", "SUN")
+    lamp.energy, lamp.angle = 3, 0
+    sun = bpy.data.objects.new("Sun", lamp)
+    sun.rotation_euler = (0.5, 0.6, 0)
+    eye = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    eye.location, eye.rotation_euler = (0, -7, 4), (math.radians(62), 0, 0)
+    for obj in (sun, eye):
+        scene.collection.objects.link(obj)
+    scene.camera = eye
+    for transparent in (True, False):
+        scene.render.film_transparent, back.inputs[1].default_value = transparent, 0.05 if transparent else 1
+        for source, samples in (("CYCLES", 64), ("ENCRE", 1)):
+            scene.encre.layer_source, scene.cycles.samples = source, samples
+            fact("failed", shoot(out, f"{source} {transparent}"))
+    scene.render.film_transparent, back.inputs[1].default_value = True, 0.05
+    bpy.ops.encre.preset(preset="heavy_blacks")
+    scene.encre.use_lines = False
+    for source in "CYCLES", "ENCRE":
+        scene.encre.layer_source = source
+        fact("failed", shoot(out, f"{source} inked"))

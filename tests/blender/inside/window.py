@@ -81,6 +81,7 @@ def choose():
     cube.modifiers["Subdivision"].levels = 4
     with override("VIEW_3D"):
         bpy.ops.object.modifier_apply(modifier="Subdivision")
+    bpy.ops.wm.save_as_mainfile(filepath=os.path.join(FOLDER, "cube.blend"), copy=True)  # writes its version into it
     scene.render.engine = "ENCRE"
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 320, 180, 4
     scene.cycles.preview_samples = 4
@@ -88,6 +89,8 @@ def choose():
 
 
 def panels():
+    scene = bpy.context.scene
+    studio.fact("first look", [scene.encre.preset, scene.encre.layer_source])
     with override("PROPERTIES"):
         ours = {name: getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("ENCRE_PT_")}
         from encre.blender.panels import kinds, stages
@@ -121,6 +124,22 @@ def panels():
         bpy.ops.encre.style_store(param="line_thickness")
         bpy.ops.encre.standard_view()
         studio.fact("new view transform", bpy.context.scene.view_settings.view_transform)
+    with override("VIEW_3D"):
+        styled()
+
+
+def styled():
+    """A style of its own for what is selected, as by the panel of objects."""
+    settings, cube, light = bpy.context.scene.encre, bpy.data.objects["Cube"], bpy.data.objects["Light"]
+    light.select_set(True)
+    bpy.ops.encre.style_add(to="object")
+    bpy.ops.encre.style_store(param="line_thickness", style="Cube")
+    bpy.ops.encre.style_store(param="ink_color", style="Cube")
+    bpy.ops.encre.style_forget(param="line_thickness", style="Cube")
+    from encre.blender import properties
+    studio.fact("styled", [cube.encre.style, light.encre.style, bpy.data.objects["Camera"].encre.style,
+                           list(properties.stored(settings.styles["Cube"])), settings.active_style])
+    light.select_set(False)
 
 
 def shown(panels, engine):
@@ -152,8 +171,23 @@ def tabs():
         yield
         screenshot(tab.lower())
     studio.fact("drawn", list(dict.fromkeys(drawn)))
+    studio.fact("pop-over", popover())
     for name, note in watched.items():
         getattr(bpy.types, name).remove(note)
+
+
+def popover():
+    """Of Cycles' panels beside the shading buttons, those that a rendered view by Encre and one by Cycles shows."""
+    found = []
+    with override("VIEW_3D"):
+        shading = bpy.context.space_data.shading
+        before, shading.type = shading.type, "RENDERED"
+        for source in ("ENCRE", "CYCLES"):
+            shading.encre.source = source
+            found.append([name for name in ("lighting", "render_pass")
+                          if getattr(bpy.types, f"CYCLES_VIEW3D_PT_shading_{name}").poll(bpy.context)])
+        shading.encre.source, shading.type = "ENCRE", before
+    return found
 
 
 def presets():

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which materials take their colors from an image alone, by which UV map it lies on surfaces, and these colors texel by
+texel: where they part is then found in the image. A program of a material is run once for each texel, so that whatever
+nodes change the image's colors have been asked."""
+
+import hashlib
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..pen import library
+from ..pen.job import Colored, Colors, Frame
+
+_ALBEDO = 9  # results of a program that are colors: color, gloss, emission
+# What depends on more than an image and its place: what is drawn by it is found in the picture.
+_ELSEWHERE = {"place", "normal", "incoming", "camera", "thing", "beside", "checker", "brick", "noise", "voronoi",
+              "voronoi_second", "voronoi_smooth", "voronoi_edge"}
+_MOST = 2048  # texels from side to side that are looked at
+
+
+@dataclass(frozen=True)
+class Place:
+    """How an image lies on surfaces: a UV map ("" = the one that renders use), rows (2, 3) from UV to image."""
+
+    uv_map: str
+    rows: tuple
+    width: int
+    height: int
+    wrap: str
+    closest: bool
+
+    def uv(self, uvs):
+        """(t, 3, 2) places in the image of UVs (t, 3, 3)."""
+        rows = np.array(self.rows)
+        return (uvs[..., :2] @ rows[:, :2].T + rows[:, 2]).astype(np.float32)
+
+
+@dataclass
+class Told:
+    """By number of material: the Place of what its colors are from, True: they are the same everywhere, None: an image
+    does not tell."""
+
+    places: list
+    pictures: list = field(default_factory=list)  # Colored
+    image: np.ndarray | None = None               # by number of material, of these; -1
+
+    @property
+    def known(self):
+        """By number of material, whether its colors are told."""
+        return np.array([place is not None for place in self.places], bool)
+
+    def laid(self, mesh, coords):
+        """(t, 3, 2) of a mesh, where its corners are in the images of its materials; None: it shows none. coords: by
+        UV map, (t, 3, 3)."""
+        material = np.full(len(mesh.corners), mesh.material_index) if mesh.material is None else mesh.material
+        out = None
+        for number in np.unique(material):
+            place = self.places[number]
+            if isinstance(place, Place) and place.uv_map in coords:
+                here = material == number
+                out = np.zeros((len(mesh.corners), 3, 2), np.float32) if out is None else out
+                out[here] = place.uv(coords[place.uv_map][here])
+        return out
+
+
+def find(looks, names):
+    """The Told of materials in the order of their numbers, without pictures."""
+    return Told([place(*looks.known[name]) for name in names])
+
+
+def colors(told, every, kept, made, first):
+    """The steps (pen/background.py) to the job.Colors of a Told; every: values of styles; kept: a dict from scene to
+    scene; made: the job.Materials; first: the first channel of the attributes that programs read."""
+    if told.image is None:
+        wanted, works = {}, []
+        for number, place in enumerate(told.places):
+            if not isinstance(place, Place):
+                continue
+            key = _key(made, number, place, kept)
+            wanted[number] = key
+            if key not in kept and (plain := _plain(made, number, place)) is not None:
+                kept[key] = plain
+            if key not in kept and key not in [k for k, _ in works]:
+                works.append((key, _work(made, number, place, first)))
+        found = (yield [work for _, work in works]) if works else []
+        for (key, _), looks in zip(works, found, strict=True):
+            albedo = np.minimum(looks["color"] + looks["gloss"] + looks["emission"], np.float32(1))
+            kept[key] = albedo
+        used = {*wanted.values(), *(id(picture.texels) for picture in made.textures)}
+        for key in kept.keys() - used:
+            del kept[key]
+        told.pictures, told.image = [], np.full(len(told.places), -1, np.int32)
+        numbers = {}
+        for number, key in wanted.items():
+            place = told.places[number]
+            if key not in numbers:
+                numbers[key] = len(told.pictures)
+                told.pictures.append(Colored(kept[key], int.from_bytes(key[:8], "little", signed=True), place.wrap,
+                                             place.closest))
+            told.image[number] = numbers[key]
+    return Colors(told.pictures, told.image, every)
+
+
+def leading(program):
+    """The operations of a program that lead to colors, each once, but not those that tell where images are looked
+    into."""
+    counts = {code: (inputs, outputs) for code, inputs, outputs in library.load().operations.values()}
+    texture = library.load().operations["texture"][0]
+    made = {}
+    for row in program.operations:
+        for k in range(counts[row[0]][1]):
+            made[row[1] + k] = row
+    ask, seen = list(program.result[:_ALBEDO]), set()
+    while ask:
+        row = made[ask.pop()]
+        if int(row[1]) not in seen:
+            seen.add(int(row[1]))
+            yield row
+            ask += [int(row[2 + k]) for k in range(counts[row[0]][0])] if row[0] != texture else []
+
+
+def place(compiler, surface):
+    """Of one material: as Told has it."""
+    names, places = {code: name for name, (code, _, _) in library.load().operations.items()}, set()
+    for row in leading(compiler.finish(surface, 0)):
+        name = names[row[0]]
+        if name in _ELSEWHERE or name == "channel":
+            return None
+        if name == "texture":
+            if compiler.looked.get(int(row[1])) is None:
+                return None
+            places.add(compiler.looked[int(row[1])])
+    if not places:
+        return True
+    if len({(place.uv_map, place.rows, place.wrap, place.closest) for place in places}) > 1:
+        return None
+    place = max(places, key=lambda place: place.width * place.height)
+    rows = np.array(place.rows)
+    return place if abs(np.linalg.det(rows[:, :2])) > 1e-12 else None
+
+
+def _key(made, number, place, kept):
+    program, digest = made.programs[number], hashlib.blake2b(digest_size=16)
+    for array in program.operations, np.asarray(program.result), made.constants:
+        digest.update(np.ascontiguousarray(array))
+    digest.update(repr(place).encode())
+    codes = library.load().operations["texture"][0]
+    for texture in sorted({int(row[10]) for row in program.operations if row[0] == codes}):
+        picture = made.textures[texture]
+        held = kept.get(id(picture.texels))
+        if held is None or held[0] is not picture.texels:
+            of = hashlib.blake2b(np.ascontiguousarray(picture.texels), digest_size=16).digest()
+            held = kept[id(picture.texels)] = picture.texels, of
+        digest.update(held[1])
+    return digest.digest()
+
+
+def _plain(made, number, place):
+    """The colors of a material that shows its image as it is, beside what is the same everywhere; None: it does not."""
+    program = made.programs[number]
+    texture, constant = (library.load().operations[name][0] for name in ("texture", "constant"))
+    rows = {int(row[1]): row for row in program.operations}
+    more, shown = np.zeros(3, np.float32), []
+    for at in range(0, _ALBEDO, 3):
+        registers = [int(r) for r in program.result[at:at + 3]]
+        if all(r in rows and rows[r][0] == constant for r in registers):
+            more += np.array([made.constants[rows[r][10]] for r in registers], np.float32)
+        elif registers[0] in rows and rows[registers[0]][0] == texture and (
+                registers == list(range(registers[0], registers[0] + 3))):
+            shown.append(made.textures[rows[registers[0]][10]])
+        else:
+            return None
+    if len(shown) != 1 or max(place.width, place.height) > _MOST:
+        return None
+    texels = shown[0].texels[:place.width * place.height].reshape(place.height, place.width, 4)
+    if shown[0].curve is None:
+        colors = texels[..., :3]
+    elif shown[0].straight and (texels[..., 3] < 255).any():
+        return None
+    else:
+        colors = shown[0].curve[texels[..., :3]]
+    return np.minimum(colors + more, np.float32(1))
+
+
+def _work(made, number, place, first):
+    """The Work that runs a material's program for each texel."""
+    width, height = min(place.width, _MOST), min(place.height, _MOST)
+    rows = np.array(place.rows)
+    image = np.stack(np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height), -1)
+    uv = (image - rows[:, 2]) @ np.linalg.inv(rows[:, :2]).T
+    program = made.programs[number]
+    codes = [library.load().operations[name][0] for name in ("channel", "footprint")]
+    channels = 3 + max((int(row[10]) for row in program.operations if row[0] in codes), default=0)
+    maps = {name: np.ones((height, width), np.float32) for name in ("object", "depth")}
+    maps["material"] = np.zeros((height, width), np.float32)
+    maps["normal"] = np.zeros((height, width, 3), np.float32)
+    maps["normal"][..., 2] = 1
+    maps["attributes"] = np.zeros((height, width, max(channels, first + 3)), np.float32)
+    for at in range(first, channels, 3):  # of the sources only this one is read
+        maps["attributes"][..., at:at + 2] = uv
+    projection = np.diag([1.0, 1.0, -1.0, 1.0])
+    alone = replace(made, programs=[program])  # others may read channels that are not there
+    return library.load().material_work(alone, maps, np.eye(4), projection, Frame(width, height),
+                                        ["color", "gloss", "emission"])
