@@ -21,7 +21,7 @@
 extern "C" {
 #endif
 
-enum { ENCRE_API_VERSION = 23 };
+enum { ENCRE_API_VERSION = 24 };
 
 /* What every function that returns int32_t returns. */
 enum encre_code {
@@ -374,7 +374,8 @@ typedef struct encre_mesh {
 	const int32_t *material; /* material number per primitive; NULL = material_index for all */
 	const int32_t *style;    /* style number per primitive; NULL = style_index for all */
 	double model[16];        /* object -> world, row by row */
-	int32_t object_index, material_index, style_index, reserved;
+	int32_t object_index, material_index, style_index;
+	int32_t open; /* 1: light goes through it: of its edges none is a chain, and it hides none; colors part on it */
 	const int32_t *object; /* object number per primitive; NULL = object_index for all */
 	const uint8_t *edges; /* of triangles, enum encre_edge of the edge from corner k at bits 2 k and 2 k + 1; NULL =
 				 all ENCRE_EDGE_FLAT */
@@ -445,6 +446,7 @@ typedef struct encre_colored {
 	const float *colors;   /* height x width x 3, scene-linear; v = 0 is the first row's lower end */
 	int32_t wrap;          /* beyond 0..1: enum encre_extension, or ENCRE_MIRROR */
 	int32_t closest;       /* 1: texels are not mixed */
+	const uint8_t *alpha;  /* height x width: below a half nothing is there; NULL: all is */
 } encre_colored;
 
 enum { ENCRE_MIRROR = 3, ENCRE_MAX_COLORED = 8192 };

@@ -16,6 +16,7 @@ _ALBEDO = 9  # results of a program that are colors: color, gloss, emission
 _ELSEWHERE = {"place", "normal", "incoming", "camera", "thing", "beside", "checker", "brick", "noise", "voronoi",
               "voronoi_second", "voronoi_smooth", "voronoi_edge"}
 _MOST = 2048  # texels from side to side that are looked at
+_FAINT, _DENSE = 0.1, 0.9  # of alpha: what lies between on its own lets light through, and is no edge
 
 
 @dataclass(frozen=True)
@@ -43,11 +44,25 @@ class Told:
     places: list
     pictures: list = field(default_factory=list)  # Colored
     image: np.ndarray | None = None               # by number of material, of these; -1
+    sheer: set = field(default_factory=set)       # numbers of pictures that let some light through
 
     @property
     def known(self):
         """By number of material, whether its colors are told."""
         return np.array([place is not None for place in self.places], bool)
+
+    @property
+    def cut(self):
+        """By number of material, whether an image tells where it is, and its colors there; after colors()."""
+        return self._have(lambda number: self.pictures[number].alpha is not None)
+
+    @property
+    def clean(self):
+        """Likewise, of those that let no light through where they are."""
+        return self._have(lambda number: self.pictures[number].alpha is not None and number not in self.sheer)
+
+    def _have(self, true):
+        return np.array([number >= 0 and true(number) for number in self.image], bool)
 
     def laid(self, mesh, coords):
         """(t, 3, 2) of a mesh, where its corners are in the images of its materials; None: it shows none. coords: by
@@ -79,38 +94,41 @@ def colors(told, every, kept, made, first):
             key = _key(made, number, place, kept)
             wanted[number] = key
             if key not in kept and (plain := _plain(made, number, place)) is not None:
-                kept[key] = plain
+                kept[key] = plain, None, False
             if key not in kept and key not in [k for k, _ in works]:
                 works.append((key, _work(made, number, place, first)))
         found = (yield [work for _, work in works]) if works else []
         for (key, _), looks in zip(works, found, strict=True):
-            albedo = np.minimum(looks["color"] + looks["gloss"] + looks["emission"], np.float32(1))
-            kept[key] = albedo
+            kept[key] = _cut(np.minimum(looks["color"] + looks["gloss"] + looks["emission"], np.float32(1)),
+                             looks["surface"][..., 0])
         used = {*wanted.values(), *(id(picture.texels) for picture in made.textures)}
         for key in kept.keys() - used:
             del kept[key]
-        told.pictures, told.image = [], np.full(len(told.places), -1, np.int32)
+        told.pictures, told.image, told.sheer = [], np.full(len(told.places), -1, np.int32), set()
         numbers = {}
         for number, key in wanted.items():
             place = told.places[number]
             if key not in numbers:
                 numbers[key] = len(told.pictures)
-                told.pictures.append(Colored(kept[key], int.from_bytes(key[:8], "little", signed=True), place.wrap,
-                                             place.closest))
+                albedo, alpha, sheer = kept[key]
+                told.pictures.append(Colored(albedo, int.from_bytes(key[:8], "little", signed=True), place.wrap,
+                                             place.closest, alpha))
+                if sheer:
+                    told.sheer.add(numbers[key])
             told.image[number] = numbers[key]
     return Colors(told.pictures, told.image, every)
 
 
-def leading(program):
-    """The operations of a program that lead to colors, each once, but not those that tell where images are looked
-    into."""
+def leading(program, results=_ALBEDO):
+    """The operations of a program that lead to its first `results`, colors, each once, but not those that tell where
+    images are looked into."""
     counts = {code: (inputs, outputs) for code, inputs, outputs in library.load().operations.values()}
     texture = library.load().operations["texture"][0]
     made = {}
     for row in program.operations:
         for k in range(counts[row[0]][1]):
             made[row[1] + k] = row
-    ask, seen = list(program.result[:_ALBEDO]), set()
+    ask, seen = list(program.result[:results]), set()
     while ask:
         row = made[ask.pop()]
         if int(row[1]) not in seen:
@@ -121,22 +139,43 @@ def leading(program):
 
 def place(compiler, surface):
     """Of one material: as Told has it."""
-    names, places = {code: name for name, (code, _, _) in library.load().operations.items()}, set()
-    for row in leading(compiler.finish(surface, 0)):
-        name = names[row[0]]
-        if name in _ELSEWHERE or name == "channel":
-            return None
-        if name == "texture":
-            if compiler.looked.get(int(row[1])) is None:
-                return None
-            places.add(compiler.looked[int(row[1])])
+    program = compiler.finish(surface, 0)
+    places = _places(program, _ALBEDO, compiler.looked)
     if not places:
-        return True
-    if len({(place.uv_map, place.rows, place.wrap, place.closest) for place in places}) > 1:
+        return None if places is None else True
+    if surface.alpha != 1:
+        places = _places(program, _ALBEDO + 1, compiler.looked)
+    if places is None or len({(place.uv_map, place.rows, place.wrap, place.closest) for place in places}) > 1:
         return None
     place = max(places, key=lambda place: place.width * place.height)
     rows = np.array(place.rows)
     return place if abs(np.linalg.det(rows[:, :2])) > 1e-12 else None
+
+
+def _places(program, results, looked):
+    """The places that the first results of a program are looked up in; None: they depend on more."""
+    names, places = {code: name for name, (code, _, _) in library.load().operations.items()}, set()
+    for row in leading(program, results):
+        name = names[row[0]]
+        if name in _ELSEWHERE or name == "channel":
+            return None
+        if name == "texture":
+            if looked.get(int(row[1])) is None:
+                return None
+            places.add(looked[int(row[1])])
+    return places
+
+
+def _cut(albedo, alpha):
+    """Of colors that are multiplied by alpha: (as they are where something is; alpha in bytes, None: it is everywhere;
+    whether an area lets some light through)."""
+    if alpha.min() >= 1:
+        return albedo, None, False
+    some = (alpha > _FAINT) & (alpha < _DENSE)
+    area = some[1:-1, 1:-1] & some[:-2, 1:-1] & some[2:, 1:-1] & some[1:-1, :-2] & some[1:-1, 2:]
+    least = np.float32(1 / 255)
+    straight = np.minimum(albedo / np.maximum(alpha, least)[..., None], np.float32(1))
+    return straight, np.round(np.clip(alpha, 0, 1) * 255).astype(np.uint8), bool(area.any())
 
 
 def _key(made, number, place, kept):
@@ -201,4 +240,4 @@ def _work(made, number, place, first):
     projection = np.diag([1.0, 1.0, -1.0, 1.0])
     alone = replace(made, programs=[program])  # others may read channels that are not there
     return library.load().material_work(alone, maps, np.eye(4), projection, Frame(width, height),
-                                        ["color", "gloss", "emission"])
+                                        ["color", "gloss", "emission", "surface"])

@@ -217,9 +217,9 @@ class Frames:
         known = whole = shown = None
         if objects and settings.wants_edges:
             told = colors and colors.told(objects.materials)
-            known, whole = objects.chained(told)
             shown = told and background.run(colors.colors(told, objects.materials, settings.every), threads,
                                             self._go_on)
+            known, whole = objects.chained(told)
         about = subject.read(depsgraph, camera, light)
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"

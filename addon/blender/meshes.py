@@ -2,7 +2,7 @@
 """The objects of a view layer -> meshes for the rasteriser, with numbers of objects, materials and styles."""
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -63,10 +63,12 @@ class Objects:
     def chained(self, told=None):
         """(meshes whose edges tell of lines, by number of an object whether all its lines are theirs: 1 those of
         shapes, 2 those of colors). What lets light through, what Cycles moves or divides further and hair is left to
-        the picture; holes have none of their own, and hide others'. told: a colored.Told."""
-        whole, out = ~self.holdouts & ~self.catchers, []
-        colored = np.full(len(whole), told is not None)
-        odd = self.clear | self.displaced
+        the picture, but for lines between colors of what images cut out; holes have none of their own, and hide
+        others'. told: a colored.Told whose pictures are there."""
+        whole, out, cut_out = ~self.holdouts & ~self.catchers, [], []
+        colored = np.full(len(whole), told is not None) & whole
+        odd, moved = self.clear | self.displaced, self.displaced | self.holes
+        cut, clean = (told.cut & self.clear, told.clean) if told is not None else (~odd & odd,) * 2
         for mesh, strands, coords in zip(self.meshes, self.ribbons, self.coords, strict=True):
             if mesh.kind == "lines":
                 out.append(mesh)
@@ -78,16 +80,18 @@ class Objects:
                 colored[numbers] = False
             if strands is not None or np.any(bad | self.holes[material]):
                 whole[numbers] = False
-            if strands is not None or np.all(bad) or self.catchers[mesh.object_index]:
+            still = ~moved[material] & ~self.refined[mesh.object_index]
+            if strands is not None or np.any(bad & ~(clean[material] & still) | self.holes[material]):
+                colored[numbers] = False
+            if strands is not None or self.catchers[mesh.object_index]:
                 continue
-            kept = slice(None) if not np.any(bad) else ~bad
             uv = told.laid(mesh, coords) if told is not None and coords else None
-            out.append(Mesh(mesh.points, mesh.corners[kept], model=mesh.model, object_index=mesh.object_index,
-                            material_index=mesh.material_index, crease_offset=mesh.crease_offset,
-                            **{name: None if of is None else of[kept] for name, of in (
-                                ("object", mesh.object), ("material", mesh.material), ("edges", mesh.edges),
-                                ("uv", uv))}))
-        return out, whole + 2 * (whole & colored)
+            if not np.all(bad):
+                out.append(_part(mesh, uv, ~bad))
+            cards = cut[material] & still
+            if uv is not None and np.any(cards):
+                cut_out.append(replace(_part(mesh, uv, cards), open=True))
+        return [*out, *cut_out], whole + 2 * colored
 
     def called(self):
         """{what the layer `object` says: name of the object}; of several that share a number the first."""
@@ -124,6 +128,15 @@ class Kept:
         """Forgets what was not asked for since the last time."""
         self._known = {key: known for key, known in self._known.items() if key in self._used}
         self._used = set()
+
+
+def _part(mesh, uv, kept):
+    """What chains take of a mesh, of the triangles that are kept."""
+    kept = slice(None) if np.all(kept) else kept
+    return Mesh(mesh.points, mesh.corners[kept], model=mesh.model, object_index=mesh.object_index,
+                material_index=mesh.material_index, crease_offset=mesh.crease_offset,
+                **{name: None if of is None else of[kept] for name, of in (
+                    ("object", mesh.object), ("material", mesh.material), ("edges", mesh.edges), ("uv", uv))})
 
 
 def block_name(block):

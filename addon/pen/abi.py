@@ -70,7 +70,7 @@ class Mesh(c.Structure):
                 ("points", c.c_void_p), ("corners", c.c_void_p), ("attributes", c.c_void_p),
                 ("material", c.c_void_p), ("style", c.c_void_p), ("model", c.c_double * 16),
                 ("object_index", c.c_int32), ("material_index", c.c_int32), ("style_index", c.c_int32),
-                ("reserved", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
+                ("open", c.c_int32), ("object", c.c_void_p), ("edges", c.c_void_p), ("crease_offset", c.c_float),
                 ("seed", c.c_int32), ("normals", c.c_void_p), ("rest", c.c_void_p), ("rest_normals", c.c_void_p),
                 ("uv", c.c_void_p)]
 
@@ -114,7 +114,7 @@ STROKE_POINT = np.dtype(StrokePoint)
 
 class Colored(c.Structure):
     _fields_ = [("key", c.c_int64), ("width", c.c_int32), ("height", c.c_int32), ("colors", c.c_void_p),
-                ("wrap", c.c_int32), ("closest", c.c_int32)]
+                ("wrap", c.c_int32), ("closest", c.c_int32), ("alpha", c.c_void_p)]
 
 
 class ChainJob(c.Structure):
@@ -320,6 +320,9 @@ def fill_colors(found: ChainJob, colors: job.Colors) -> list:
         height, width, _ = keep[-1].shape
         to.key, to.width, to.height, to.colors = image.key, width, height, keep[-1].ctypes.data
         to.wrap, to.closest = (*job.WRAPS, "mirror").index(image.wrap), bool(image.closest)
+        if image.alpha is not None:
+            keep.append(job.entries("colored: alpha", image.alpha, np.uint8, (height, width)))
+            to.alpha = keep[-1].ctypes.data
     of = np.ascontiguousarray(colors.image, np.int32)
     found.images, found.n_images = c.addressof(images), len(colors.images)
     found.image, found.n_image = of.ctypes.data, len(of)
@@ -350,7 +353,7 @@ def fill_mesh(m: Mesh, mesh: job.Mesh) -> list:
     m.style = pointer("style", mesh.style, np.int32, (count,))
     m.object = pointer("object", mesh.object, np.int32, (count,))
     m.edges = pointer("edges", mesh.edges, np.uint8, (count,))
-    m.crease_offset, m.seed = mesh.crease_offset, mesh.seed
+    m.crease_offset, m.seed, m.open = mesh.crease_offset, mesh.seed, mesh.open
     m.normals = pointer("normals", mesh.normals, np.float32, (count, 3, 3))
     m.rest = pointer("rest", mesh.rest, np.float32, (count, 3, 3))
     m.rest_normals = pointer("rest_normals", mesh.rest_normals, np.float32, (count, 3, 3))

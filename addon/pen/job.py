@@ -52,7 +52,8 @@ class Mesh:
     `object`, `material` and `style` (t,) or one for all; edges (t,) packed by edge_kinds(), and the degrees that are
     added to every bend; the seed by which a copy's pens and tones differ from another's, 0: it is none; normals
     (t, 3, 3) at the corners, in object space, None: flat; rest positions and their normals likewise, None: the points,
-    flat; uv (t, 3, 2) at the corners. Of kind `lines`: points and corners (t, 2) alone.
+    flat; uv (t, 3, 2) at the corners; open: light goes through it, and of its lines chains have those of colors alone.
+    Of kind `lines`: points and corners (t, 2) alone.
     """
 
     points: np.ndarray
@@ -73,6 +74,7 @@ class Mesh:
     rest: np.ndarray | None = None
     rest_normals: np.ndarray | None = None
     uv: np.ndarray | None = None
+    open: bool = False
 
 
 EDGES = {"flat": 0, "smooth": 1, "none": 2}  # enum encre_edge
@@ -148,12 +150,14 @@ WRAPS = ("repeat", "extend", "clip")  # enum encre_extension
 @dataclass
 class Colored:
     """An image on surfaces, as they look without light: colors (height, width, 3), scene-linear, row 0 at the bottom;
-    key: a number that no other colors have; wrap: one of WRAPS, or "mirror"; closest: its texels are not mixed."""
+    key: a number that no other colors have; wrap: one of WRAPS, or "mirror"; closest: its texels are not mixed; alpha:
+    uint8 (height, width), below a half nothing is there, None: all is."""
 
     colors: np.ndarray
     key: int
     wrap: str = "repeat"
     closest: bool = False
+    alpha: np.ndarray | None = None
 
 
 @dataclass

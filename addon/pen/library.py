@@ -34,7 +34,7 @@ from .job import (
 )
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 23
+API_VERSION = 24
 _ALL = "; `encre params` lists all"
 
 

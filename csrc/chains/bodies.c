@@ -41,7 +41,7 @@ static void make_body(body *b, const encre_mesh *mesh, const shape *s)
 			b->high[k] = p[k] > b->high[k] ? p[k] : b->high[k];
 		}
 	}
-	b->solid = s && s->tree.n_nodes && invert(mesh->model, b->inverse);
+	b->solid = s && !mesh->open && s->tree.n_nodes && invert(mesh->model, b->inverse);
 	for (int k = 0; k < 3; k++) /* boxes are floats */
 		b->solid = b->solid && b->low[k] > -1e37 && b->high[k] < 1e37;
 }

@@ -208,7 +208,7 @@ static int64_t walk(const search *s, int chunk, line *out)
 		uint32_t stop = b->first + (b->shape ? (uint32_t)b->shape->n_edges : 0);
 		stop = stop < end ? stop : end;
 		line l;
-		for (; at < stop && b->near && b->shape; at++)
+		for (; at < stop && b->near && b->shape && !b->mesh->open; at++)
 			if (out) {
 				if (s->is_line[at])
 					edge_line(c, i, (int32_t)(at - b->first), out + n++);

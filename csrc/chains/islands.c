@@ -23,7 +23,7 @@ static int32_t texel_at(double u, int32_t n, int32_t wrap)
 	return clamp_index((int)floor(fmin(fmax(u, 0), 1) * n), n);
 }
 
-/* What a face shows along the edge that its corners `from` and `to` have: sRGB, 0xrrggbb. */
+/* What a face shows along the edge that its corners `from` and `to` have: sRGB, 0xrrggbb; -1: somewhere it is clear. */
 static int32_t color_along(const encre_colored *of, float uv[3][2], const uint32_t end[2])
 {
 	double sum[3] = {0};
@@ -38,7 +38,10 @@ static int32_t color_along(const encre_colored *of, float uv[3][2], const uint32
 		step = texels > 0 ? fmin(beside / texels, most_beside) : 0;
 		int32_t column = texel_at(at[0] + step * way[0], of->width, of->wrap),
 			row = texel_at(at[1] + step * way[1], of->height, of->wrap);
-		const float *color = of->colors + 3 * ((size_t)row * (size_t)of->width + (size_t)column);
+		size_t texel = (size_t)row * (size_t)of->width + (size_t)column;
+		const float *color = of->colors + 3 * texel;
+		if (of->alpha && of->alpha[texel] < 128)
+			return -1;
 		for (int i = 0; i < 3; i++)
 			sum[i] += (double)srgb_encode(clamp01(color[i]));
 	}
@@ -94,7 +97,7 @@ bool seam_line(const chains *c, int number, int32_t edge, line *out)
 	int32_t color[2];
 	for (int k = 0; k < 2; k++)
 		color[k] = color_along(of[k], uv[k], end[k]);
-	if (color_apart(color[0], color[1]) < LEAST_APART)
+	if (color[0] < 0 || color[1] < 0 || color_apart(color[0], color[1]) < LEAST_APART)
 		return false;
 	*out = (line){.body = number,
 		      .other = -1,

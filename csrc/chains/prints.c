@@ -190,7 +190,7 @@ int32_t colors_print(chains *c, prints *out)
 	for (int i = 0; i < c->n_bodies; i++) {
 		const body *b = c->bodies + i;
 		bool shows = b->near && b->mesh->uv && !is_line(b->mesh);
-		p.inside[i] = (int8_t)(shows ? inside_of(c, b) : 0);
+		p.inside[i] = (int8_t)(shows && !b->mesh->open ? inside_of(c, b) : 0);
 		p.first[i + 1] = p.first[i] + (shows ? b->shape->n_triangles : 0);
 	}
 	int64_t count = (p.first[c->n_bodies] + CHUNK - 1) / CHUNK;

@@ -297,8 +297,8 @@ static bool find_crossings(const level_of *l, crossings *c)
 	return true;
 }
 
-static bool make_level(const texel_recipe *r, const float *linear, int32_t width, int32_t height, bool first,
-		       texel_level *out)
+static bool make_level(const texel_recipe *r, const float *linear, const float *alpha, int32_t width, int32_t height,
+		       bool first, texel_level *out)
 {
 	size_t texels = (size_t)width * (size_t)height;
 	bool repeats = r->image->wrap == ENCRE_REPEAT;
@@ -320,6 +320,7 @@ static bool make_level(const texel_recipe *r, const float *linear, int32_t width
 		       .smooth = r->smooth,
 		       .least = r->least,
 		       .first = first,
+		       .alpha = {alpha, width, height, repeats, l.closest},
 		       .right = numbers,
 		       .up = numbers + texels};
 	bool made = floats && numbers;
@@ -344,22 +345,23 @@ static bool make_level(const texel_recipe *r, const float *linear, int32_t width
 	return made;
 }
 
-/* The next level of detail: means of two by two, of an odd side without the last. */
-static float *halved(const float *from, int32_t width, int32_t height, int32_t *wide, int32_t *tall)
+/* The next level of detail of `parts` values a texel: means of two by two, of an odd side without the last. */
+static float *halved(const float *from, int parts, int32_t width, int32_t height, int32_t *wide, int32_t *tall)
 {
+	size_t each = (size_t)parts;
 	*wide = width > 1 ? width / 2 : 1;
 	*tall = height > 1 ? height / 2 : 1;
-	float *to = malloc(3 * (size_t)*wide * (size_t)*tall * sizeof *to);
+	float *to = malloc(each * (size_t)*wide * (size_t)*tall * sizeof *to);
 	int32_t right = width > 1, up = height > 1;
 	for (int32_t y = 0; to && y < *tall; y++)
 		for (int32_t x = 0; x < *wide; x++)
-			for (int k = 0; k < 3; k++) {
-				const float *at =
-					from +
-					3 * ((size_t)(up ? 2 * y : y) * (size_t)width + (size_t)(right ? 2 * x : x)) +
-					k;
-				size_t row = up ? 3 * (size_t)width : 0, next = right ? 3 : 0;
-				to[3 * ((size_t)y * (size_t)*wide + (size_t)x) + (size_t)k] =
+			for (size_t k = 0; k < each; k++) {
+				const float *at = from +
+						  each * ((size_t)(up ? 2 * y : y) * (size_t)width +
+							  (size_t)(right ? 2 * x : x)) +
+						  k;
+				size_t row = up ? each * (size_t)width : 0, next = right ? each : 0;
+				to[each * ((size_t)y * (size_t)*wide + (size_t)x) + k] =
 					0.25f * (at[0] + at[next] + at[row] + at[row + next]);
 			}
 	return to;
@@ -380,21 +382,37 @@ boundaries *ISA(boundaries_make)(const texel_recipe *r)
 			  .least = r->least,
 			  .smooth = r->smooth};
 	const float *from = image->colors;
-	float *own = NULL;
+	float *own = NULL, *alpha = NULL;
 	int32_t width = image->width, height = image->height;
-	bool made = true;
+	bool made = true, clear = image->alpha != NULL;
+	if (clear) {
+		size_t texels = (size_t)width * (size_t)height;
+		from = own = malloc(3 * texels * sizeof *own);
+		alpha = malloc(texels * sizeof *alpha);
+		made = own && alpha;
+		for (size_t i = 0; made && i < texels; i++)
+			alpha[i] = (float)image->alpha[i] / 255;
+		if (made)
+			memcpy(own, image->colors, 3 * texels * sizeof *own);
+	}
 	while (made && b->n_levels < TEXEL_LEVELS && (width > 1 || height > 1)) {
 		int32_t wide, tall;
-		made = make_level(r, from, width, height, b->n_levels == 0, b->level + b->n_levels);
+		alpha_level there = {alpha, width, height, image->wrap == ENCRE_REPEAT, image->closest && !b->n_levels};
+		made = (!clear || holes_fill(&there, own)) &&
+		       make_level(r, from, alpha, width, height, b->n_levels == 0, b->level + b->n_levels);
 		b->n_levels++;
-		float *next = made ? halved(from, width, height, &wide, &tall) : NULL;
+		float *next = made ? halved(from, 3, width, height, &wide, &tall) : NULL,
+		      *next_alpha = made && clear ? halved(alpha, 1, width, height, &wide, &tall) : NULL;
 		free(own);
+		free(alpha);
 		from = own = next;
-		made = made && next;
+		alpha = next_alpha;
+		made = made && next && (!clear || alpha);
 		width = made ? wide : 1;
 		height = made ? tall : 1;
 	}
 	free(own);
+	free(alpha);
 	if (made)
 		return b;
 	boundaries_free(b);

@@ -46,6 +46,13 @@ typedef struct boundaries {
 	texel_level level[TEXEL_LEVELS];
 } boundaries;
 
+/* How much is there at each texel of a level, 0..1. */
+typedef struct alpha_level {
+	const float *alpha; /* height x width; NULL: all is */
+	int32_t width, height;
+	bool wrap, closest;
+} alpha_level;
+
 /* A way along which two colors part that lies between two neighbouring texels: one of those that find.c gives. */
 typedef struct crossing {
 	float x, y;
@@ -61,6 +68,7 @@ typedef struct crossings {
 	crossing *at;
 	int64_t count, room;
 	float least; /* of contrast */
+	alpha_level alpha;
 } crossings;
 
 /* A part of a curve between two crossings, or from one to where several meet. */
@@ -102,6 +110,9 @@ bool net_join(net *n, crossings *c);
 /* tracing.c: from crossings to curves; how different two colors are as bytes. False without memory. */
 int color_apart(int32_t a, int32_t b);
 bool texel_curves(crossings *c, texel_level *level);
+/* holes.c: gives what is clear the colors about it; leaves of lines what is there. False without memory. */
+bool holes_fill(const alpha_level *a, float *linear);
+bool holes_cut(const alpha_level *a, texel_level *level);
 /* sorting.c: fills the cells of a level, and `apart` of its lines. False without memory. */
 bool texel_sort(texel_level *level);
 

@@ -349,6 +349,8 @@ bool texel_curves(crossings *c, texel_level *level)
 	level->n_points = n.n_points;
 	free(n.part);
 	free(n.of);
+	if (made && c->alpha.alpha)
+		made = holes_cut(&c->alpha, level);
 	return made && texel_sort(level);
 }
 

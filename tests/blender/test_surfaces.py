@@ -34,6 +34,19 @@ def test_pieces_of_a_mesh_have_a_line_where_they_pass_through_each_other(render)
     assert missing.sum() < 30
 
 
+@pytest.mark.parametrize("source", ["CYCLES", "ENCRE"])
+def test_what_an_image_cuts_out_has_lines_between_its_colors(render, source):
+    """And what is behind its holes has its own."""
+    shot = render("cards")
+    line = ink(shot.passes(f"cards {source}")) > 0.3
+    card, wall = line[87:93].any(0), line[:, 157:163].any(1)
+    assert card[85:112].all() and card[208:235].all() and not card[125:155].any() and not card[165:195].any()
+    assert wall[60:120].all() and not wall[15:45].any() and not wall[135:165].any()
+    points = shot.chains(f"cards {source}")
+    away = np.hypot(points["x"] - 159.5, points["y"] - 89.5)
+    assert away[points["object"] == points["object"].min()].min() > 35
+
+
 def test_what_lets_light_through_at_random_leaves_no_crumbs(render):
     """Behind the board of 30 % the box is drawn as if it were not there; where another is cut into squares, index and
     depth stay those of Cycles."""

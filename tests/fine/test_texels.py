@@ -157,3 +157,40 @@ def test_corners_between_texels_are_sharp(texel):
               if 0 < x < SIZE[0] and 0 < y < SIZE[1]]
     away = [np.hypot(*(places - (p["x"], p["y"])).T).min() for p in points]
     assert max(corner) < 0.05 * texel and max(away) < 0.05 * texel + 0.7
+
+
+def seen_through(holed=True, closest=False):
+    """Points of color chains of a card, light above dark, with a hole in its middle, and of a wall behind it, light
+    left of dark, in texels of the card from its middle."""
+    size, y, x = 32, *(np.mgrid[:32, :32] + 0.5)
+    card = np.where((y < 16)[..., None], DARK, LIGHT).astype(np.float32)
+    hole = np.hypot(x - 16, y - 16) < 8
+    card[hole & (x < 16)] = [1, 0, 0]  # which nobody sees
+    wall = np.repeat(np.stack([np.tile(LIGHT, (16, 1)), np.tile(DARK, (16, 1))]).reshape(1, 32, 3), 32, 0)
+    corners = np.float32([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    faces, uv = np.int32([[0, 1, 2], [0, 2, 3]]), np.float32([[0, 0], [1, 0], [1, 1], [0, 1]])
+    back = np.eye(4)
+    back[2, 3] = -1
+    meshes = [Mesh(corners, faces, object_index=1, material_index=1, uv=uv[faces], open=holed),
+              Mesh(corners, faces, object_index=2, material_index=2, uv=uv[faces], model=back)]
+    view, projection = np.eye(4), np.diag([200 / SIZE[0], 200 / SIZE[1], -0.02, 1])
+    view[2, 3] = -20
+    every = library.load().complete(library.load().check(LOOK), [])
+    alpha = np.where(hole, 0, 255).astype(np.uint8) if holed else None
+    colors = Colors([Colored(card, 6, closest=closest, alpha=alpha), Colored(np.ascontiguousarray(wall), 7)],
+                    np.int32([-1, 0, 1]), every)
+    found = library.chains(meshes, view, projection, Frame(*SIZE), SIZE, 0.1, 100, colors=colors)
+    texel, found = 200 / size, found[found["kind"] & COLOR != 0]
+    at = np.stack([found["x"] + 0.5 - SIZE[0] / 2, SIZE[1] / 2 - found["y"] - 0.5], 1) / texel
+    return at[found["object"] == 1], at[found["object"] == 2]
+
+
+@pytest.mark.parametrize("closest", [False, True])
+def test_a_hole_in_an_image_has_no_lines_and_hides_none(closest):
+    card, wall = seen_through(closest=closest)
+    reach = 8.5 if closest else 8.1
+    assert len(card) and 7.4 < abs(card[:, 0]).min() < reach and abs(card[:, 0]).max() > 15.9
+    assert abs(card[:, 1]).max() < 0.05
+    assert len(wall) and abs(wall[:, 0]).max() < 0.05 and np.ptp(wall[:, 1]) > 31.9
+    card, wall = seen_through(holed=False, closest=closest)
+    assert len(card) and not len(wall)

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from encre.blender import pictures
 from mathutils import Matrix, Vector
-from studio import cube, fact, link, material, shoot, stage
+from studio import both, cube, fact, link, material, shoot, stage
 
 
 def _bare(scene):
@@ -55,6 +55,39 @@ def pieces(out):
     shoot(out, "pieces")
     obj.encre.separate_parts = True
     shoot(out, "parts")
+
+
+def cards(out):
+    """A card of two colors, one above the other, with a hole in its middle, before a wall of two, side by side; by
+    Cycles and by Encre alone. A texel is 10 pixels of the card."""
+    scene = stage(320, 180, 4, ground=False)
+    _bare(scene)
+    for light in [obj for obj in scene.objects if obj.type == "LIGHT"]:
+        light.data.energy *= 0.5
+    y, x = np.mgrid[:16, :16] + 0.5
+    scene.encre.line_color_strength, scene.encre.contrast_full = 1, 0.2
+    for name, across, depth, size in (("Card", y, 0, 160), ("Wall", x, 1, 320)):
+        texels = np.where(across[..., None] < 8, [0.1, 0.15, 0.6, 1], [0.85, 0.8, 0.3, 1]).astype(np.float32)
+        mat = material(name, (1, 1, 1))
+        image = bpy.data.images.new(name, 16, 16, alpha=True)
+        node, surface = mat.node_tree.nodes.new("ShaderNodeTexImage"), mat.node_tree.nodes["Principled BSDF"]
+        if name == "Card":
+            texels[np.hypot(x - 8, y - 8) < 4] = 0.9, 0.1, 0.9, 0
+            mat.node_tree.links.new(node.outputs["Alpha"], surface.inputs["Alpha"])
+        image.pixels.foreach_set(texels.ravel())
+        image.update()
+        node.image = image
+        mat.node_tree.links.new(node.outputs["Color"], surface.inputs["Base Color"])
+        half = size / 200
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata([(-half, depth, -half), (half, depth, -half), (half, depth, half), (-half, depth, half)], [],
+                         [(0, 1, 2, 3)])
+        mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", [0, 0, 1, 0, 1, 1, 0, 1])
+        link(name, mesh, (0, 0, 0), mat)
+    camera = scene.camera
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 3.2
+    camera.location, camera.rotation_euler = (0, -5, 0), (radians(90), 0, 0)
+    both(scene, out, "cards")
 
 
 def fades(out):
