@@ -69,6 +69,12 @@ def test_it_comes_with_the_steepness_and_not_at_once():
     assert (np.diff(widths) >= -1e-3).all() and np.diff(widths).max() < 0.8
 
 
+def test_a_fold_that_is_deep_here_and_there_is_one_stroke():
+    """Its line was dashes: each place was as wide as it is deep."""
+    drawn = ink(of(slope(0.6 + 0.25 * np.cos(Y * 2 * np.pi / 24)))).sum(1)[12:-12]
+    assert drawn.min() > 0.6 * drawn.max() > 1
+
+
 def test_short_ones_are_thin_and_grow_wider_with_their_length():
     sums = []
     for half in range(8, 40, 2):

@@ -13,7 +13,7 @@ ROWS, COLUMNS, MIDDLE = 40, 60, 30
 PEN = dict(verdict.PARAMS, edge_detector="FINE", line_shadow_strength=4.0, line_mirror_strength=3.0,
            line_mirror_width=1.0, line_shadow_width=1.0,
            line_color_width=1.0, line_material_width=1.0, line_material_strength=1.0, line_suggestive_strength=1.0,
-           line_suggestive_width=1.0, line_thickness=2.0, ink_by_kind=True)
+           line_suggestive_width=1.0, line_suggestive_shortest=20.0, line_thickness=2.0, ink_by_kind=True)
 
 
 def wall():

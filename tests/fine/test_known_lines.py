@@ -100,6 +100,36 @@ def test_an_outline_among_many_creases_stays_whole():
     assert many < 0.7 * few
 
 
+def dents(span, aside=0.5):
+    """A fold of a dense mesh: edges of 1.5 pixels that go to and fro."""
+    at = np.arange(0, span + 0.1, 1.0)
+    return [(40 - span / 2 + x, 30 + aside * (k % 2 * 2 - 1)) for k, x in enumerate(at)]
+
+
+def test_short_folds_of_smooth_forms_are_dropped_by_what_they_span_and_come_by_degrees():
+    """Of a scan's rough stone dots were left, each longer along its edges than a line must be."""
+    def share(span, kind="contour smooth", **values):
+        given = line(dents(span), kind, side=1, gap=4)
+        return drawn(flat(), given, **values).sum() / drawn(flat(), given, line_shortest=0.0).sum()
+    assert share(10) == 0 and share(26) == 1
+    assert 0.3 < share(18) < 0.7
+    assert share(10, line_shortest=4.0) == 1
+    ring = [(40 + 2.5 * np.cos(t), 30 + 2.5 * np.sin(t)) for t in np.linspace(0, 2 * np.pi, 12)]
+    ring[-1] = ring[0]
+    for kind, ink in (("contour smooth", False), ("contour", True)):  # a rivet is none of a rough surface
+        assert drawn(flat(), line(ring, kind, side=1, gap=4)).any() == ink
+
+
+def test_an_outline_among_many_folds_stays_whole_and_these_vanish():
+    folds = [line(across(30 + 0.9 * k), "contour smooth", run=10 + k, side=(-1)**k, gap=4, depth=5 + 0.01 * k)
+             for k in range(1, 13)]
+    outline = line(across(30), "contour smooth", side=1, behind=2)
+    alone, among = (drawn(flat(), given, line_thickness=1.0)[30, 30:60].min() for given in (outline, [outline, *folds]))
+    assert among > 0.95 * alone > 0.5
+    few, many = (drawn(flat(), folds[:n], line_thickness=1.0).sum() / n for n in (1, 12))
+    assert many < 0.15 * few
+
+
 def test_what_is_left_of_creases_and_spans_next_to_nothing_is_not_drawn():
     short = line([(30, 30), (32, 30)], "crease")
     assert not drawn(flat(), short, line_shortest=0.0).any()

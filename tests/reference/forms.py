@@ -159,7 +159,8 @@ def valleys(view, cracks):
 
 
 def ease(t, view, scale):
-    """(shares of the width that sites of forms, light, colours and what is seen have left, else 1)."""
+    """(shares of the width that sites of forms, light, colours and what is seen have left, else 1; by how much each is
+    eased before, 0 .. 255, that of forms evened along each line but for its ends)."""
     params, style = view.params, view.layers.style
     threshold, share = params["edge_threshold"], np.ones(len(t))
     painted = np.array([view.layers.controls["color_edge"][view.pixel(*at)] > 0 for at in t.at], bool)
@@ -167,7 +168,7 @@ def ease(t, view, scale):
     kinds = {"suggestive": (t.family == NUMBER["valley"], clamp01(q - 1)), "light": (t.rank == LIGHT, np.ones(len(t))),
              "color": (t.rank == COLOR, np.where(painted, 100, np.clip(2 * q - 1, 0, 100))),
              "seen": (t.rank == SEEN, np.ones(len(t)))}
-    known = set()
+    known, eased = set(), t.site["eased"].astype(float)
     for name, (lines, clear) in kinds.items():
         lines = lines & ~t.dropped
         least = params.at(shortest(name), style[t.site["near_y"], t.site["near_x"]]) * scale
@@ -180,12 +181,17 @@ def ease(t, view, scale):
             known |= set(run)
             ways = {tuple(sorted((i, j))) for i in run for j in t.links[i] if lines[j]}
             length = sum(t.apart(i, j) * (clear[i] + clear[j]) / 2 for i, j in ways)
+            if name == "suggestive":
+                inner = {i: [j for j in t.links[i] if lines[j]] for i in run if len(t.links[i]) > 1}
+                for _ in range(int(64 * scale**2)):
+                    eased[list(inner)] = [(2 * eased[i] + eased[on].sum()) / (2 + len(on)) for i, on in inner.items()]
+                eased[run] = np.floor(eased[run] + 0.5)
             for i in run:
                 long_ = length / least[i] if least[i] > 0 else 1.0
-                share[i] = min(clear[run].max(), long_) if name == "suggestive" else clamp01(2 * long_ - 1)
+                share[i] = min(clear[run].max() if name == "suggestive" else 1, clamp01(2 * long_ - 1))
         if name == "color":
             share = _evened(t, share, np.flatnonzero(lines & (least > 0)), px(scale, 0.6) * 20)
-    return share
+    return share, eased
 
 
 def _evened(t, share, sites, spread):

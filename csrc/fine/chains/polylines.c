@@ -175,9 +175,9 @@ int32_t ISA(chains_find)(fine *n)
 	if (!s.mean)
 		return ENCRE_ERROR_MEMORY;
 	code = ISA(stations_sort)(&s);
+	code = code ? code : ISA(stations_thin_out)(&s);
 	code = code ? code : ISA(stations_measure)(&s);
 	code = code ? code : ISA(stations_compare)(&s);
-	code = code ? code : ISA(stations_thin_out)(&s);
 	code = code ? code : ISA(stations_give_way)(&s);
 	code = code ? code : ISA(stations_drop_fragments)(&s);
 	code = code ? code : ISA(chains_replace)(&s);

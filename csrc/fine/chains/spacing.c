@@ -73,6 +73,12 @@ static bool is_member(const station *t)
 	return is_drawn(t) && !(t->flags & STATION_ADDED);
 }
 
+/* Among others: folds are less than outlines. */
+static float rank_among(const station *t)
+{
+	return (float)t->importance + (t->importance == IMPORTANCE_CONTOUR && !is_folded(t) ? 0.5f : 0);
+}
+
 /* Moves those that were chosen together, and fills what is asked of them. */
 static void close_up(stations *s, const uint32_t *count, size_t cells)
 {
@@ -88,7 +94,7 @@ static void close_up(stations *s, const uint32_t *count, size_t cells)
 			g->py[to] = (float)(t->y - g->y);
 			g->dx[to] = t->dx;
 			g->dy[to] = t->dy;
-			g->importance[to] = t->importance;
+			g->importance[to] = rank_among(t);
 		}
 	}
 	g->first[cells] = to;
@@ -160,6 +166,7 @@ static const float least_widest = 6; /* pixels: in a small frame, too, more than
 static const float abreast = 0.8f;   /* pixels along the way by which both contours may lie apart */
 static const float parted = 0.5f, beside = 0.8f;   /* cosines of contours that have nothing to do with each other, and
 						      that run along each other */
+static const float least_other = 0.5f;             /* of its width must be left of a fold, to be the other contour */
 static const float rod = 0.05f, tip = 0.15f;       /* sines of contours of a rod, and of a tip */
 static const float even_least = 9, even_mean = 10; /* px along the run over which it is evened */
 
@@ -175,7 +182,8 @@ static void look_across(const stations *s, station *t, double x, double y, const
 			if (fabsf(ex * t->dx + ey * t->dy) > abreast || across < 0.3f || across >= t->apart)
 				continue;
 			const station *o = s->at + g->station[j];
-			if (o->importance != IMPORTANCE_CONTOUR || !o->side || o->object != t->object)
+			if (o->importance != IMPORTANCE_CONTOUR || !o->side || o->object != t->object ||
+			    (is_folded(o) && !(o->solid >= least_other * o->growth)))
 				continue;
 			float dot = t->dx * o->dx + t->dy * o->dy, cosine = fabsf(dot);
 			if (cosine < parted || (dot > 0 ? 1 : -1) * o->side * t->side > 0)
@@ -290,7 +298,7 @@ static int count_abreast(const station_grid *g, uint32_t from, uint32_t end, con
 {
 	const float *restrict px = g->px + from, *restrict py = g->py + from, *restrict dx = g->dx + from,
 			      *restrict dy = g->dy + from, *restrict important = g->importance + from;
-	float least = t->importance;
+	float least = rank_among(t);
 	float x = (float)(t->x - g->x), y = (float)(t->y - g->y), wx = t->dx, wy = t->dy;
 	int n = (int)(end - from), count = 0;
 	for (int i = 0; i < n; i++) {
@@ -316,7 +324,10 @@ static void thin_out(void *data, int first, int end, int thread)
 		int count = 1;
 		while (next_row(g, &w))
 			count += count_abreast(g, w.from, w.end, t, reach);
-		t->solid *= min(max(2 * counted / (float)count / full_apart, least_left), 1);
+		float share = 2 * counted / (float)count / full_apart;
+		/* folds of what is rough are gone */
+		float least = is_folded(t) && (t->kind & ENCRE_CHAIN_SMOOTH) ? 0 : least_left;
+		t->solid *= clamp01(max(least > 0 ? share : 2 * share - 1, least));
 	}
 }
 

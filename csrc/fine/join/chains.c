@@ -2,6 +2,8 @@
 /* What becomes of a line's free ends: a spur is cut, a speck dropped, the pen is lifted. */
 #include "fine/near.h"
 
+#include <string.h>
+
 static const float longest_spur = 2, longest_stub = 0.75f; /* pixels, and of a contour; test_fine_passes */
 static const float cut_off = 2; /* pixels from the border within which an end is the frame's doing; test_fine_passes */
 
@@ -123,37 +125,83 @@ static void drop_ring(const fine *n, uint32_t i)
 	}
 }
 
-/* Whether all that hangs together with a free end is too short for a line and free at all its ends: it is in `found`,
- * marked as a crumb until drop_if_short() goes on. */
-static bool is_short(const fine *n, uint32_t i, uint32_t *found, uint32_t *count)
+/* Of a form that is shaded smoothly, as far as a mesh tells it: its small folds are dents of a rough surface. */
+static bool is_smooth(const fine *n, const site *s)
 {
-	float least = least_length(n->f, n->site + i), length = 0;
+	enum { OTHERS = ENCRE_CHAIN_COLOR | ENCRE_CHAIN_MARK | ENCRE_CHAIN_BORDER };
+	int kind = is_chain(s) && !is_meant(n, s) ? chain_of(n, s)->kind : 0;
+	return (kind & ENCRE_CHAIN_SMOOTH) && !(kind & OTHERS);
+}
+
+/* Of its least length, so much longer a line of a smooth form must be to have its whole width. */
+static const float whole_length = 2;
+
+/* How far smooth forms' lines span, whose edges may go to and fro, and how long all else is. */
+typedef struct extent {
+	float left, top, right, bottom, length;
+} extent;
+
+static void extend(const fine *n, extent *e, const site *s)
+{
+	if (!is_smooth(n, s))
+		return;
+	e->left = min(e->left, s->placed.x);
+	e->top = min(e->top, s->placed.y);
+	e->right = max(e->right, s->placed.x);
+	e->bottom = max(e->bottom, s->placed.y);
+}
+
+static float size_of(const extent *e)
+{
+	float x = max(e->right - e->left, 0), y = max(e->bottom - e->top, 0);
+	return e->length + sqrtf(x * x + y * y);
+}
+
+/* How large all is that hangs together with a place, if it is free at all its ends; else, and from `most` on,
+ * infinitely. It is in `found`, marked as a crumb until drop_if_short() goes on. */
+static float size_about(const fine *n, uint32_t i, float most, uint32_t *found, uint32_t *count)
+{
+	extent e = {INFINITY, INFINITY, -INFINITY, -INFINITY, 0};
 	found[0] = i;
 	*count = 1;
 	n->site[i].linked.crumb = true;
-	for (uint32_t k = 0; k < *count && length < least; k++) {
+	extend(n, &e, n->site + i);
+	for (uint32_t k = 0; k < *count; k++) {
 		uint32_t at = found[k];
-		if (is_meant(n, n->site + at) || (links_at(n, at) == 1 && !ISA(leads_nowhere)(n, at)))
-			return false;
+		if (is_meant(n, n->site + at) || (links_at(n, at) == 1 && !ISA(leads_nowhere)(n, at)) ||
+		    size_of(&e) >= most)
+			return INFINITY;
 		for (uint32_t link = n->at[at]; link < n->at[at + 1]; link++) {
 			uint32_t next = n->to[link];
-			length += sqrtf(apart2(n->site + at, n->site + next)) / 2; /* it is met from both ends */
+			/* it is met from both ends */
+			if (!is_smooth(n, n->site + at) || !is_smooth(n, n->site + next))
+				e.length += sqrtf(apart2(n->site + at, n->site + next)) / 2;
 			if (n->site[next].linked.crumb)
 				continue;
 			n->site[next].linked.crumb = true;
+			extend(n, &e, n->site + next);
 			found[(*count)++] = next;
 		}
 	}
-	return length < least;
+	return size_of(&e) < most ? size_of(&e) : INFINITY;
 }
 
-static void drop_if_short(const fine *n, uint32_t i, uint32_t *found)
+/* What of a smooth form is hardly longer is thinner, so that none comes at once. */
+static void drop_if_short(const fine *n, uint32_t i, uint32_t *found, bool *large)
 {
 	uint32_t count;
-	bool gone = is_short(n, i, found, &count);
+	float least = least_length(n->f, n->site + i), size = size_about(n, i, whole_length * least, found, &count);
 	for (uint32_t k = 0; k < count; k++) {
-		n->site[found[k]].linked.crumb = false;
-		n->site[found[k]].linked.dropped |= gone;
+		site *s = n->site + found[k];
+		s->linked.crumb = false;
+		large[found[k]] |= size == INFINITY;
+		s->linked.dropped |= size < least;
+		if (size < INFINITY && is_smooth(n, s) && !large[found[k]])
+			s->placed.eased = (uint8_t)(255 -
+						    clamp01((size / least - 1) / (whole_length - 1)) *
+							    (float)(255 - s->placed.eased) +
+						    0.5f);
+		large[found[k]] = true;
 	}
 }
 
@@ -162,17 +210,21 @@ int32_t ISA(fine_drop_short)(fine *n)
 {
 	int32_t code = ENCRE_OK;
 	uint32_t *found = late_take(&n->f->late, n->count, sizeof *found);
-	if (!found)
+	bool *large = late_take(&n->f->late, n->count, sizeof *large);
+	if (!found || !large)
 		return ENCRE_ERROR_MEMORY;
+	memset(large, 0, n->count * sizeof *large);
 	for (uint32_t i = 0; !code && i < n->count; i++) {
 		code = at_step(n, i);
 		if (is_lone(n, i))
 			n->site[i].linked.dropped = true;
 		if (may_go_round(n->site + i))
 			drop_ring(n, i);
-		if (ISA(leads_nowhere)(n, i))
-			drop_if_short(n, i, found);
+		if (!large[i] &&
+		    (ISA(leads_nowhere)(n, i) || (is_smooth(n, n->site + i) && !n->site[i].linked.dropped)))
+			drop_if_short(n, i, found, large);
 	}
+	late_drop(&n->f->late, large);
 	late_drop(&n->f->late, found);
 	return code;
 }

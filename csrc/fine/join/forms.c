@@ -10,6 +10,8 @@ static const float counts_from = 1, counts_ramp = 1; /* of edge_threshold: so st
 static const float clearest = 100;                   /* times its length counts at most, or it might have no bound */
 static const float least_share = 0.1f;               /* of its width: less is not drawn; test_forms */
 
+static const float even_forms_over = 8; /* px to either side, about */
+
 enum { CHUNK = 512 };
 
 /* One that is thinned; RANK_COUNT: it is none, or dropped. */
@@ -64,14 +66,39 @@ static float full_length(const encre_params *p, enum rank rank)
 				    : p->line_mirror_shortest;
 }
 
-/* Of the width, of forms by how clear the clearest is, and by the length of all. Of others below half the length asked
- * none is left: they close, and a patch would stay as a spot. */
+/* Of the width, by the length of all, and of forms by how clear the clearest is. Below half the length asked none is
+ * left: what closes would stay as a spot, and short folds are dashes. */
 static float share_of(const fine *n, const site *s, float most, float length)
 {
 	enum rank rank = (enum rank)rank_of(s);
 	float full = full_length(params_at(n->f, s->placed.near_x, s->placed.near_y), rank) * n->f->scale;
-	float share = !(full > 0) ? 1 : rank == RANK_FORM ? length / full : clamp01(2 * length / full - 1);
+	float share = !(full > 0) ? 1 : clamp01(2 * length / full - 1);
 	return rank == RANK_FORM ? min(most, share) : share;
+}
+
+/* Evens out how wide the lines of forms are along each, but for their ends: a fold that is deep here and there is one
+ * stroke. */
+static void even_forms(fine *n, const uint32_t *open, uint32_t count, float *wide, float *next)
+{
+	int rounds = (int)(even_forms_over * even_forms_over * n->f->scale * n->f->scale);
+	for (uint32_t k = 0; k < count; k++)
+		wide[open[k]] = (float)(255 - n->site[open[k]].placed.eased);
+	for (int round = 0; round < rounds; round++) {
+		for (uint32_t k = 0; k < count; k++) {
+			uint32_t i = open[k];
+			float sum = 2 * wide[i], weights = 2;
+			for (uint32_t l = n->at[i]; l < n->at[i + 1] && n->at[i + 1] - n->at[i] > 1; l++)
+				if (kind_of(n->site + n->to[l]) == RANK_FORM) {
+					sum += wide[n->to[l]];
+					weights++;
+				}
+			next[i] = sum / weights;
+		}
+		for (uint32_t k = 0; k < count; k++)
+			wide[open[k]] = next[open[k]];
+	}
+	for (uint32_t k = 0; k < count; k++)
+		n->site[open[k]].placed.eased = (uint8_t)(255 - wide[open[k]] + 0.5f);
 }
 
 /* ---- colours ---------------------------------------------------------------------------------------------- */
@@ -141,7 +168,8 @@ int32_t ISA(fine_ease_forms)(fine *n)
 	bool *known = late_take(&n->f->late, n->count + 1, sizeof *known);
 	uint32_t *open = late_take(&n->f->late, n->count + 1, sizeof *open);
 	float *color = late_take(&n->f->late, n->count + 1, sizeof *color);
-	if (!known || !open || !color)
+	float *wide = late_take(&n->f->late, 2 * (size_t)n->count + 1, sizeof *wide);
+	if (!known || !open || !color || !wide)
 		return ENCRE_ERROR_MEMORY;
 	memset(known, 0, n->count * sizeof *known);
 	bool any = false;
@@ -156,6 +184,8 @@ int32_t ISA(fine_ease_forms)(fine *n)
 		open[0] = i;
 		known[i] = true;
 		float most, length = collect(n, known, open, &count, &most);
+		if (kind_of(n->site + i) == RANK_FORM)
+			even_forms(n, open, count, wide, wide + n->count);
 		for (uint32_t k = 0; k < count; k++) {
 			site *s = n->site + open[k];
 			float share = share_of(n, s, most, length);
@@ -169,6 +199,7 @@ int32_t ISA(fine_ease_forms)(fine *n)
 	}
 	if (!code && any)
 		code = even_colors(n, color);
+	late_drop(&n->f->late, wide);
 	late_drop(&n->f->late, color);
 	late_drop(&n->f->late, open);
 	late_drop(&n->f->late, known);
