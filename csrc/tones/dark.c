@@ -40,27 +40,36 @@ static inline float spare(spared s, float lit, float bright)
 	return max(lit, min(more, s.end));
 }
 
-/* How dark a colour counts as, of such a lightness. Red-brown hair is as light as brown skin, but redder, and paint and
- * cloth of a strong red or blue look darker than they are: of deep colours what is lighter than a quarter of the way
- * from black to dark is taken as darker, so that some more lie below dark, and none that is not black gets black. */
+static float cube_root(float x)
+{
+	return x > 1e-30f ? pixel_cbrt(most_one(x)) : 0;
+}
+
+/* How light a colour looks between black and dark: from 0 to 1 by the cube roots, as the eye has it. Red-brown hair is
+ * as light as brown skin, but redder, and paint and cloth of a strong red or blue look darker than they are: of deep
+ * colours what is lighter than a quarter of the way from black to dark is taken as darker, so that some more lie below
+ * dark, and none that is not black gets black. */
 static inline float counts_as(const encre_params *p, float bright, float r, float g, float b, float black, float dark)
 {
 	static const float quarter = 0.25f;
-	float deep = tone_deep(r, g, b), from = black + quarter * (dark - black), span = dark - from,
-	      end = span + p->tone_reds * deep * dark;
-	return p->tone_reds > 0 && span > 0 && bright > from ? from + (bright - from) * span / end : bright;
+	if (!(dark > black))
+		return 1;
+	float first = cube_root(black), last = cube_root(dark), own = cube_root(positive(bright));
+	float from = first + quarter * (last - first), span = last - from;
+	float end = span + p->tone_reds * tone_deep(r, g, b) * last;
+	own = p->tone_reds > 0 && own > from ? from + (own - from) * span / end : own;
+	return clamp01((own - first) / (last - first));
 }
 
-/* The light that a colour has that is no black: none just above one, or a shaded one would be as black as black in any
- * light and the next as white as white. Lit it has a share of it, and in the shade hardly less than others, or the
- * shaded half of a dark face, features and all, would be black beside a lit one in a tone: squares of one over each are
- * added. What is mirrored over it and outshines it (mirrored: its lightness, 0 for none) gives light back: a sea under
- * a light sky is no black. */
-static inline float light_left(float lit, float bright, float mirrored, float black, float dark)
+/* The light that a colour has that is no black, of which it has a share where it is lit: none just above one, or a
+ * shaded one would be as black as black in any light and the next as white as white. In the shade it has hardly less
+ * than others, or the shaded half of a dark face, features and all, would be black beside a lit one in a tone: squares
+ * of one over each are added. What is mirrored over it and outshines it (mirrored: its lightness, 0 for none) gives
+ * light back: a sea under a light sky is no black. */
+static inline float light_left(float lit, float share, float bright, float mirrored)
 {
-	float span = dark - black, left = span > 0 ? clamp01((bright - black) / max(span, FLT_MIN)) : 1;
 	float own = bright / max3(bright, mirrored, FLT_MIN), shaded = most_one(lit);
-	left /= max(mix(own * own, 1, left), FLT_MIN);
+	float left = share / max(mix(own * own, 1, share), FLT_MIN);
 	float both = shaded * shaded * (1 - left * left) + left * left;
 	return left < 1 && lit > 0 ? lit * left / sqrtf(max(both, FLT_MIN)) : lit;
 }
@@ -124,9 +133,9 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		lit = spare(own, lit, bright);
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
-		float shown = tone_lightness(p, s[0], s[1], s[2]);
-		float as = counts_as(p, shown, s[0], s[1], s[2], least, dark);
-		lit = shown >= least ? light_left(lit, as, 0, least, dark) : -1;
+		float shown = tone_looks(p, s[0], s[1], s[2]);
+		float share = counts_as(p, shown, s[0], s[1], s[2], least, dark);
+		lit = shown >= least ? light_left(lit, share, shown, 0) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
@@ -189,10 +198,11 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		float mirrored = glazed[i] * clamp01(tone_lightness(p, r, g, b));
 		rest[i] = max3(r, g, b);
 		float own_black = seen ? black * left[i] : black, own_dark = seen ? dark * left[i] : dark;
-		float own_bright = tone_lightness(p, a[0][i], a[1][i], a[2][i]);
+		float own_bright = spotted ? tone_lightness(p, a[0][i], a[1][i], a[2][i])
+					   : tone_looks(p, a[0][i], a[1][i], a[2][i]);
 		own_black = spotted && !spotted[i] ? 0 : own_black;
-		float as = counts_as(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
-		lit = light_left(lit, as, mirrored, own_black, own_dark);
+		float share = counts_as(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
+		lit = light_left(lit, share, own_bright, mirrored);
 		float shine = spotted ? (rest[i] > 0.5f ? rest[i] : -1) : rest[i] - glazed[i];
 		light[i] = own_bright < own_black ? max(shine, -1) : max(lit, rest[i]);
 	}

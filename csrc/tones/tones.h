@@ -250,6 +250,14 @@ static inline float tone_deep(float r, float g, float b)
 	return clamp01(max(red, blue));
 }
 
+/* How light the color of a thing is beside tone_black. No colorist calls dark skin, wood and wine red black, as light
+ * as they are: as the eye sees it, most of what red has more is added. Deep reds have nothing of it. */
+static inline float tone_looks(const encre_params *p, float r, float g, float b)
+{
+	float own = tone_lightness(p, r, g, b);
+	return own + 0.6f * (1 - tone_deep(r, g, b)) * positive(r - own);
+}
+
 /* A film that lets through less than this is opaque: what is seen of it is a sky. */
 static const float tone_film = 0.999f;
 

@@ -80,7 +80,7 @@ DEFAULTS = {
     "use_smudging": True, "smudge_range": 10.0, "smudge_pick": 7.0, "smudge_depth": 0.01,
     "smudge_falloff": 0.5, "smudge_curve": 1.0,
     # hatching and paper
-    "use_hatching": True, "hatch_amount": 0.7, "hatch_color": (0.0, 0.0, 0.0),
+    "use_hatching": True, "hatch_amount": 0.45, "hatch_color": (0.0, 0.0, 0.0),
     "hatch_color_threshold": 0.35, "hatch_light_threshold": 0.5, "hatch_color_light": 0.5,
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,

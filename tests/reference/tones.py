@@ -244,29 +244,33 @@ def _dark(layers, levels, of, look, spotted=None):
     lightness = _lightness(of)
     left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
 
-    def kept(lit, bright, black, dark, mirrored=0):
-        with np.errstate(invalid="ignore", divide="ignore"):
-            left = np.where(dark > black, clamp01((bright - black) / (dark - black)), 1)
+    def looks(color):
+        """Reds that are not deep are lighter than the eye has them."""
+        own = lightness(color)
+        return own + 0.6 * (1 - cleared.deep(color)) * np.maximum(color[..., 0] - own, 0)
+
+    def kept(lit, share, bright, mirrored=0):
         own = bright / np.maximum(np.maximum(bright, mirrored), 1e-30)
-        left = left / np.maximum(mix(own ** 2, 1, left), 1e-30)
+        left = share / np.maximum(mix(own ** 2, 1, share), 1e-30)
         both = np.minimum(lit, 1) ** 2 * (1 - left ** 2) + left ** 2
         return np.where((left < 1) & (lit > 0), lit * left / np.sqrt(np.maximum(both, 1e-30)), lit)
 
-    def counted(color, black, dark):
-        """How light a colour counts as: deep reds and blues less."""
-        bright, deep = lightness(color), cleared.deep(color)
-        first = black + 0.25 * (dark - black)
-        span = dark - first
-        less = first + (bright - first) * span / np.maximum(span + of("tone_reds") * deep * dark, 1e-37)
-        return np.where((of("tone_reds") > 0) & (span > 0) & (bright > first), less, bright)
+    def shared(color, bright, black, dark):
+        """How far a color is from black to dark by cube roots: deep reds and blues less."""
+        first, last, own = np.cbrt(black), np.cbrt(dark), np.cbrt(np.maximum(bright, 0))
+        begin = first + 0.25 * (last - first)
+        span = last - begin
+        with np.errstate(invalid="ignore", divide="ignore"):
+            less = begin + (own - begin) * span / (span + of("tone_reds") * cleared.deep(color) * last)
+            own = np.where((of("tone_reds") > 0) & (own > begin), less, own)
+            return np.where(dark > black, clamp01((own - first) / (last - first)), 1)
 
-    bright, black = lightness(layers.color), of("tone_black") * left
+    own, black = (looks if spotted is None else lightness)(layers.color), of("tone_black") * left
     mirrored = clamp01(lightness(other(layers))) * _glazed(layers)
     black = black if spotted is None else np.where(spotted, black, 0)
-    dark = of("tone_dark") * left
-    lit = kept(lit, counted(layers.color, black, dark), black, dark, mirrored)
+    lit = kept(lit, shared(layers.color, own, black, of("tone_dark") * left), own, mirrored)
     shine = rest - _glazed(layers) if spotted is None else np.where(rest > 0.5, rest, -1)
-    light = np.where(bright < black, np.maximum(shine, -1), np.maximum(lit, rest))
+    light = np.where(own < black, np.maximum(shine, -1), np.maximum(lit, rest))
     sky = np.full(light.shape, np.inf)
     if of("tone_sky") > 0:
         bright = metered(layers, np.maximum(rest, 0)) * of("shade_exposure") * of("tone_sky")
@@ -278,9 +282,8 @@ def _dark(layers, levels, of, look, spotted=None):
         seen = value(layers.seen_color)
         lit = metered(layers, value(other(layers)) / np.maximum(seen, least)) * of("shade_exposure")
         lit = spared(lit, layers.seen_color)
-        shown = lightness(layers.seen_color)
-        as_ = counted(layers.seen_color, least, of("tone_dark"))
-        lit = np.where(shown >= least, kept(lit, as_, least, of("tone_dark")), -1)
+        shown = looks(layers.seen_color)
+        lit = np.where(shown >= least, kept(lit, shared(layers.seen_color, shown, least, of("tone_dark")), shown), -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
         itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
         shows = ((value(layers.color) < 0.05)

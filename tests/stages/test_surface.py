@@ -7,7 +7,7 @@ import struct
 import masks
 import numpy as np
 import pytest
-from encre.pen import library
+from encre.pen import library, presets
 from encre.pen.errors import EncreError
 from encre.pen.job import Camera, Frame
 from encre.pen.library import load
@@ -190,13 +190,28 @@ def test_with_all_of_what_is_not_diffuse_at_1_layers_of_its_parts_change_nothing
         assert np.abs(draw(layers, {**scene, **ones, slider: 0.5})["Combined"] - whole).max() > 0.01
 
 
+def test_a_dim_wall_is_no_black_grain_in_water_memory():
+    """The paper's highest crumbs were black there; what is darkest is hatched."""
+    values = presets.find("Water Memory").values | dict(light_source="CYCLES", use_lines=False)
+    one = np.ones((270, 480, 3), np.float32)
+
+    def black(light):
+        layers = dict(color=0.3 * one, diffuse=light * one, depth=one[..., :1], normal=one,
+                      combined=np.concatenate([light * 0.3 * one, one[..., :1]], 2))
+        drawn = {on: library.render(layers, values | dict(use_hatching=on)).images["Combined"][..., :3].mean(2)
+                 for on in (False, True)}
+        return (drawn[True] < 0.4 * drawn[False]).mean()
+
+    assert black(0.15) < 0.01 and black(0.02) > 0.5
+
+
 def test_dark_colours_keep_their_levels_apart():
     """A black coat under rising light: without help it is black all over, with it each level is lighter."""
     light = np.repeat(np.float32([0.3, 0.6, 1.2]), 40).reshape(1, -1, 1) * np.ones((40, 1, 3), np.float32)
     color = np.full_like(light, 0.02)
     layers = dict(combined=np.concatenate([color * light, np.ones_like(light[..., :1])], -1), color=color,
                   diffuse=light, depth=np.full_like(light[..., :1], 4), normal=np.ones_like(light))
-    alone = dict(use_lines=False, use_smudging=False)
+    alone = dict(use_lines=False, use_smudging=False, hatch_amount=0.7)
 
     def bands(**scene):
         picture = draw(layers, {**alone, **scene})["Combined"][..., 0]

@@ -163,7 +163,7 @@ def test_blacks_are_what_the_eye_sees_as_dark():
 
 def test_dark_colours_have_tones_in_the_light_and_are_black_in_the_shade():
     """From black in any light to as white as white by and by, on things and in mirrors; brown skin has its tone."""
-    bright = np.linspace(0.02, 0.18, 33)
+    bright = np.linspace(0.02 ** (1 / 3), 0.18 ** (1 / 3), 33) ** 3
     color = np.tile(bright[None, :, None], (40, 1, 3)).astype(np.float32)
     light = np.tile(np.linspace(0.02, 1, 40)[:, None, None], (1, 33, 3)).astype(np.float32)
     zero, one = np.zeros_like(color), np.ones((40, 33, 1), np.float32)
@@ -239,6 +239,28 @@ def test_the_sky_in_a_dark_sea_does_not_cut_it():
 
 HAIR = {"auburn": (0.22, 0.065, 0.03), "dark auburn": (0.165, 0.037, 0.011), "chestnut": (0.3, 0.06, 0.036)}
 SKIN = {"light": (0.8, 0.55, 0.42), "tan": (0.45, 0.25, 0.15), "brown": (0.22, 0.11, 0.06), "olive": (0.2, 0.12, 0.06)}
+
+
+@pytest.mark.parametrize("preset", ["Manga", "Heavy blacks", "Superhero"])
+def test_dark_skin_wood_and_wine_red_are_no_blacks_in_the_light(preset):
+    """As luminance goes they were: faces and rooms lost all that is in them. Iron and navy as light stay black."""
+    values = presets.find(preset).values | dict(use_lines=False, length_unit="PIXELS", tone_detail=0.0,
+                                                tone_least=0.0, use_specks=False)
+
+    def ink(color, light):
+        one = np.ones((60, 60, 3), np.float32)
+        layers = dict(color=one * np.float32(color), diffuse=light * one, depth=one[..., :1], normal=one,
+                      combined=np.concatenate([light * one * np.float32(color), one[..., :1]], 2))
+        return library.render(layers, values, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].mean()
+
+    shown = {"dark skin": (0.085, 0.045, 0.028), "walnut": (0.092, 0.071, 0.045), "wine": (0.082, 0.028, 0.019),
+             "plum": (0.07, 0.018, 0.103)}
+    if preset == "Heavy blacks":
+        del shown["wine"]  # as red-brown hair is there
+    for name, color in shown.items():
+        assert ink(color, 1.0) < 0.8, name
+        assert ink(color, 0.3) > 0.4, name
+    assert all(ink(color, 1.0) == 1 for color in ((0.028, 0.028, 0.028), (0.01, 0.015, 0.06), (0.03, 0.015, 0.01)))
 
 
 def test_red_brown_hair_is_dark_and_brown_skin_as_light_is_paper():
