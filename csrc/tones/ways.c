@@ -19,6 +19,18 @@ static inline float dot3(float x, float y, float z, float u, float v, float w)
 	return x * u + y * v + z * w;
 }
 
+/* Along planes that cut the thing, level but on floors. */
+static inline void level_way(float nx, float ny, float nz, float *x, float *y, float *z)
+{
+	float level = fabsf(dot3(nx, ny, nz, 0.148f, 0.0986f, 0.984f));
+	float ax = 0.148f, ay = level > 0.95f ? 0.984f : 0.0986f, az = level > 0.95f ? 0.0986f : 0.984f;
+	float u = ay * nz - az * ny, v = az * nx - ax * nz, w = ax * ny - ay * nx;
+	float scale = 1 / sqrtf(max(dot3(u, v, w, u, v, w), 1e-12f));
+	*x = u * scale;
+	*y = v * scale;
+	*z = w * scale;
+}
+
 /* tangent: of the pixels, three channels each, if strokes follow it where it is not 0. */
 KERNEL void ground(const tone_rest *rest, const bool by_uv, const float *restrict tangent, int n,
 		   tone_ground *restrict g)
@@ -29,14 +41,8 @@ KERNEL void ground(const tone_rest *rest, const bool by_uv, const float *restric
 		float nx = normal[0][i], ny = normal[1][i], nz = normal[2][i];
 		float rx = right[0][i], ry = right[1][i], rz = right[2][i];
 		float dx = down[0][i], dy = down[1][i], dz = down[2][i];
-		/* where it bends in none: along planes that cut the thing, level but on floors */
-		float level = fabsf(dot3(nx, ny, nz, 0.148f, 0.0986f, 0.984f));
-		float ax = 0.148f, ay = level > 0.95f ? 0.984f : 0.0986f, az = level > 0.95f ? 0.0986f : 0.984f;
-		float x = ay * nz - az * ny, y = az * nx - ax * nz, z = ax * ny - ay * nx;
-		float scale = 1 / sqrtf(max(dot3(x, y, z, x, y, z), 1e-12f));
-		x *= scale;
-		y *= scale;
-		z *= scale;
+		float x, y, z; /* where it bends in none */
+		level_way(nx, ny, nz, &x, &y, &z);
 		float u = ny * z - nz * y, v = nz * x - nx * z, w = nx * y - ny * x;
 		/* ways have no sign: their angles are doubled where they are mixed */
 		float a = dot3(form[0][i], form[1][i], form[2][i], x, y, z),
@@ -60,7 +66,7 @@ KERNEL void ground(const tone_rest *rest, const bool by_uv, const float *restric
 		float ax0 = dd * ra - rd * da, ay0 = rr * da - rd * ra, bx0 = dd * rb - rd * db,
 		      by0 = rr * db - rd * rb;
 		float most = max(max(fabsf(ax0), fabsf(ay0)), max(fabsf(bx0), fabsf(by0)));
-		scale = 1 / max(most, 1e-30f);
+		float scale = 1 / max(most, 1e-30f);
 		p *= scale;
 		q *= scale;
 		g->along[0][i] = p * ax0 + q * bx0;
@@ -122,9 +128,47 @@ static inline void on_screen(const float right[3], const float down[3], const fl
 	*y = rr * d - rd * r;
 }
 
+static bool same_object(const frame *f, int y0, int x0, int y1, int x1)
+{
+	const float *a = layer_row(f, ENCRE_LAYER_OBJECT, y0), *b = layer_row(f, ENCRE_LAYER_OBJECT, y1);
+	return !a || a[x0] == b[x1];
+}
+
+/* By how much the normal at rest changes along a row or a column to pixels up to six steps off, of both ways the less:
+ * where it changes all around, though hardly here, as between folds, there is no plane. None there: as much as it can.
+ */
+static float turns_by(const frame *f, int y, int x, int down, int right)
+{
+	static const int steps[] = {1, 3, 6};
+	const float *own = anchor_at(f, x, y) + ANCHOR_NORMAL;
+	float least = 2;
+	for (int way = -1; way <= 1; way += 2) {
+		float most = -1;
+		for (int k = 0; k < 3; k++) {
+			int ny = y + way * steps[k] * down, nx = x + way * steps[k] * right;
+			if (ny < 0 || nx < 0 || ny >= f->height || nx >= f->width || !same_object(f, y, x, ny, nx))
+				break;
+			const float *n = anchor_at(f, nx, ny) + ANCHOR_NORMAL;
+			float dx = n[0] - own[0], dy = n[1] - own[1], dz = n[2] - own[2];
+			most = max(most, sqrtf(dx * dx + dy * dy + dz * dz));
+		}
+		least = most >= 0 ? min(least, most) : least;
+	}
+	return least;
+}
+
+/* How far the surface is a plane: from 0 to 1. Steps are of 8 pixels where a frame is 1080 high. */
+static float plane_at(const frame *f, int y, int x)
+{
+	static const float none = 0.012f, all = 0.004f; /* change of the normal */
+	int step = (int)max(nearest_int(8 * f->scale), 2);
+	return clamp01((none - turns_by(f, y, x, step, 0) - turns_by(f, y, x, 0, step)) * (1 / (none - all)));
+}
+
 /* Strokes on what is turned hold to how the light falls on it at rest, and let go by degrees: with `a` on the skin from
  * the light to there they are turned from the light by atan(sin(2 a) / 2), 27 degrees at most. As a grows from 0 they
- * hardly slip, and at 90 degrees, where they could as well turn the other way, they lie toward the light. */
+ * hardly slip, and at 90 degrees, where they could as well turn the other way, they lie toward the light. On a plane
+ * they lie along it, in its own perspective: all walls of a room and its floor would have the same strokes, as rain. */
 static void hold_light(const frame *f, const tone_marks *m, const tone_slot *s, const tone_rest *rest, int y, int x,
 		       int n, tone_ground *g)
 {
@@ -156,10 +200,20 @@ static void hold_light(const frame *f, const tone_marks *m, const tone_slot *s, 
 		      off = dot3(light[0], light[1], light[2], side[0], side[1], side[2]),
 		      square_light = dot3(light[0], light[1], light[2], light[0], light[1], light[2]),
 		      turn = on * off / max(square_light, 1e-30f);
+		float level[3];
+		level_way(normal[0], normal[1], normal[2], level, level + 1, level + 2);
+		on = dot3(level[0], level[1], level[2], along[0], along[1], along[2]);
+		off = dot3(level[0], level[1], level[2], side[0], side[1], side[2]);
+		/* ways have no sign: their angles are doubled where they are mixed */
+		float plane = plane_at(f, y, x + i), whole = 1 + turn * turn, all = max(on * on + off * off, 1e-30f);
+		float p = mix((1 - turn * turn) / whole, (on * on - off * off) / all, plane),
+		      q = mix(2 * turn / whole, 2 * on * off / all, plane), length = sqrtf(p * p + q * q);
+		float by_on = p < 0 ? fabsf(q) : length + p, by_off = p >= 0 ? q : q < 0 ? p - length : length - p;
+		by_on = length > 0 ? by_on : 1;
 		float held[3], across[3];
 		for (int c = 0; c < 3; c++) {
-			held[c] = along[c] + turn * side[c];
-			across[c] = side[c] - turn * along[c];
+			held[c] = by_on * along[c] + by_off * side[c];
+			across[c] = by_on * side[c] - by_off * along[c];
 		}
 		on_screen(right, down, held, &g->along[0][i], &g->along[1][i]);
 		on_screen(right, down, across, &g->across[0][i], &g->across[1][i]);

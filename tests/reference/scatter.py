@@ -125,12 +125,12 @@ class Drawing:
     down) on which their places lie, unturned."""
 
     def __init__(self, layers, bounds, angle, anchor, chart, dark, lattice, crisp=False,
-                 light=None, by_uv=False, flat=False):
+                 light=None, by_uv=False, flat=False, scale=1.0):
         self.layers, self.angle, self.anchor, self.dark = layers, angle, anchor, dark
         self.light, self.by_uv = light, by_uv  # the direction toward it, if strokes go there; whether along U
         self.rolled = {} if light is None or anchor is None or flat else turns(layers, anchor)
         self.bounds = bounds  # pixels between which marks are a unit apart
-        self.chart, self.lattice, self.crisp = chart, lattice, crisp
+        self.chart, self.lattice, self.crisp, self.scale = chart, lattice, crisp, scale
         self.ink = np.zeros(dark.shape)
         self.byte = np.floor(255 * clamp01(dark) + 0.5).astype(int)
         tables = [shown(covers(k / 255)[layer]) for k in range(256) for layer in range(3)]
@@ -176,7 +176,7 @@ class Drawing:
             along = along if along @ along > 1e-12 else light
             turned = self.rolled.get(self.layers.object[y, x])
             if turned is not None and self.anchor[y, x, 6] > 0:
-                return self.held(self.anchor[y, x].astype(float), turned.T @ light, along, turn)
+                return self.held(x, y, turned.T @ light, along, turn)
             on = np.cos(turn) * along + np.sin(turn) * np.cross(normal, along)
             return np.array((on[0], -on[1]))
         if self.anchor is None:
@@ -199,15 +199,39 @@ class Drawing:
         found = np.linalg.lstsq(np.stack([right, down], 1), on, rcond=None)[0]
         return found / max(np.linalg.norm(found), 1e-30)
 
-    def held(self, a, light, along, turn):
-        """Toward the light as at rest, let go by degrees. light: that one; along: toward it now, seen."""
+    def plane(self, x, y):
+        """How far the surface is a plane, by how its normal at rest changes up to six steps off."""
+        own, size = self.anchor[y, x, 3:6], self.dark.shape
+        step = max(int(np.floor(8 * self.scale + 0.5)), 2)
+
+        def change(dy, dx):
+            found = [2.0]
+            for sign in -1, 1:
+                most = []
+                for ny, nx in ((y + sign * k * step * dy, x + sign * k * step * dx) for k in (1, 3, 6)):
+                    if not (0 <= ny < size[0] and 0 <= nx < size[1]
+                            and self.layers.object[ny, nx] == self.layers.object[y, x]):
+                        break
+                    most.append(np.linalg.norm(self.anchor[ny, nx, 3:6] - own))
+                found += [max(most)] if most else []
+            return min(found)
+
+        return clamp01((0.012 - change(1, 0) - change(0, 1)) / 0.008)
+
+    def held(self, x, y, light, along, turn):
+        """Toward the light as at rest, let go by degrees, on planes along them. light: that one; along: toward it now,
+        seen."""
+        a = self.anchor[y, x].astype(float)
         right, down = a[7:10], a[10:13]
         along = unit(along[0] * right - along[1] * down)
         side = np.cross(a[3:6], along)
-        on, off = light @ along, light @ side
-        slip = on * off / max(light @ light, 1e-30)
-        on = np.cos(turn) * (along + slip * side) + np.sin(turn) * (side - slip * along)
-        return np.linalg.lstsq(np.stack([right, down], 1), on, rcond=None)[0]
+        falls = light @ along + 1j * (light @ side)
+        slips = 1 + 1j * falls.real * falls.imag / max(light @ light, 1e-30)
+        level = np.cross(AXES[int(abs(AXES[0] @ a[3:6]) > 0.95)], a[3:6])
+        level = level @ along + 1j * (level @ side)
+        way = np.sqrt(mix((slips / abs(slips)) ** 2, (level / max(abs(level), 1e-15)) ** 2, self.plane(x, y)))
+        way = np.exp(1j * turn) * way
+        return np.linalg.lstsq(np.stack([right, down], 1), way.real * along + way.imag * side, rcond=None)[0]
 
     def half(self, layer, rank, size, x, y):
         """size: of the pitch, in pixels."""

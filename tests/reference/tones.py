@@ -409,7 +409,7 @@ def _ink(layers, of, look, dark, scale, paper, own):
                 ink = scatter.Drawing(layers, bounds, np.radians(angle), anchor,
                                       (axes[0], chart(np.cos(turn), np.sin(turn), axes[0])), dark, lattice,
                                       of("tone_crisp"), _light(of), of("tone_strokes") == "UV" and space != "FLAT",
-                                      space == "FLAT").draw(own)
+                                      space == "FLAT", scale).draw(own)
         return ink if anchor is None else np.where(anchor[..., 6] > 0, ink, dark)
     first = 1 - np.sqrt(1 - dark) if kind == "CROSS" else dark
     if anchor is None:

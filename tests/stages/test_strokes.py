@@ -45,6 +45,27 @@ def test_strokes_toward_the_light(size):
     twins(ramped(*size), scene)
 
 
+def test_strokes_toward_the_light_lie_along_planes():
+    """Level on two walls, seen from above: on all planes they went one way on the screen, as rain."""
+    def lean(normal):
+        """Degrees from the row, by the structure tensor."""
+        right, down = np.array([1, 0, -normal[0] / normal[2]]), np.array([0, -1, normal[1] / normal[2]])
+        rows, columns = (a[..., None] for a in np.mgrid[:200, :200])
+        one = np.ones((200, 200, 1), np.float32)
+        anchor = np.concatenate([(columns * right + rows * down) * one, normal * one, one, right * one, down * one,
+                                 np.zeros(3) * one], 2)
+        layers = dict(wall(200, 200), normal=np.float32(normal * one), anchor=np.float32(anchor))
+        layers["diffuse"] = np.ones((200, 200, 3), np.float32)
+        scene = dict(ALONE, shade_levels=[(0.7,)], tone_strokes="LIGHT", tone_light_direction=50.0,
+                     tone_light_height=30.0, **sticks.tone("HATCH", space="SURFACE", pitch=8.0, angle=0.0))
+        ink = library.render(layers, scene, outputs=["Encre Tones"]).images["Encre Tones"][40:-40, 40:-40, 3]
+        y, x = np.gradient(ink)
+        return np.degrees(0.5 * np.arctan2(2 * (x * y).sum(), (x * x - y * y).sum())) + 90
+
+    assert abs((lean(np.array((0.0, 0.8, 0.6))) + 90) % 180 - 90) < 12
+    assert abs(lean(np.array((0.8, 0.0, 0.6))) - 90) < 12
+
+
 def test_strokes_along_uv():
     """As the reference has them; along the form on what has no UV map, and where the layer is not there."""
     layers = ramped(70, 50)
