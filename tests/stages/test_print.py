@@ -4,6 +4,7 @@
 import masks
 import numpy as np
 import pytest
+from encre.pen import presets
 from encre.pen.job import Frame
 from randomly import random_layers
 from reference import render as reference
@@ -85,3 +86,12 @@ def test_parts_of_a_frame_are_as_in_the_whole():
     part = {name: np.ascontiguousarray(a[20:50, 30:80]) for name, a in layers.items()}
     got = draw(part, PRINT, frame=Frame(width=90, height=60, x=30, y=20))
     np.testing.assert_array_equal(got, whole[20:50, 30:80])
+
+
+def test_print_is_even_on_a_small_picture():
+    """At 540 rows its dots, and what they make of gray together, were grain as large as a face's features."""
+    values = presets.find("Print").values | OFF | dict(length_unit="RELATIVE", use_print=True)
+    light = draw(flat(0.35, 0.35, 0.33), values, frame=Frame(240, 540, 0, 0))[..., :3]
+    # three pixels of a picture held at arm's length are one
+    seen = sum(np.roll(light, (y, x), (0, 1)) for y in (-1, 0, 1) for x in (-1, 0, 1))[8:-8, 8:-8] / 9
+    assert seen.std((0, 1)).max() < 0.07 and abs(seen.mean() - light.mean()) < 0.01
