@@ -259,10 +259,12 @@ class Shaders(Inputs):
     def _AddShader(self, node):
         a, b = (self.shader(node.inputs[k]) for k in (0, 1))
         add = self.build.add
-        return {"Shader": Surface(self._each(add, a.color, b.color), self._each(add, a.gloss, b.gloss),
-                                  self._each(add, a.emission, b.emission),
-                                  # Light that goes through one goes through both.
-                                  self.build.clamp(self.build.subtract(add(a.alpha, b.alpha), 1.0)),
+        # Light that goes through one goes through both.
+        alpha = self.build.clamp(self.build.subtract(add(a.alpha, b.alpha), 1.0))
+        color, emission = self._each(add, a.color, b.color), self._each(add, a.emission, b.emission)
+        if alpha == 0.0:  # nothing is there that light could fall on: added as in full light
+            color, emission = (0.0,) * 3, self._each(add, emission, color)
+        return {"Shader": Surface(color, self._each(add, a.gloss, b.gloss), emission, alpha,
                                   self.build.minimum(a.roughness, b.roughness),
                                   self._each(add, a.shine, b.shine), self._of_both(a, b, "shine"),
                                   add(a.coat, b.coat), self._of_both(a, b, "coat"), self._turned(a, b),

@@ -93,6 +93,16 @@ def test_fog_hides_what_is_far(render):
             np.testing.assert_allclose(glow[4, 8 * k + 4], want, atol=2e-4, err_msg=f"{name} {way}")
 
 
+def test_what_is_added_to_what_shows_through_it_is_seen(render):
+    """Diffuse shaders added to transparent ones were not: they have no place that light falls on."""
+    shot = render("added")
+    assert shot.facts["failed"] == [None]
+    cloth, glow, none = shot.passes("added")["Emit"][4, 4:28:8]
+    np.testing.assert_allclose(cloth, (0.3, 0.2, 0.1), atol=1e-3)
+    np.testing.assert_allclose(glow, (0.7, 0.6, 0.5), atol=1e-3)
+    assert not none.any()
+
+
 def test_pictures_have_the_alpha_and_the_space_of_colours_that_cycles_gives_them(render):
     found = squares(render("decals"), "STRAIGHT False 0")
     assert len(found) >= 24

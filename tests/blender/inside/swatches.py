@@ -8,7 +8,7 @@ import numpy as np
 from encre.blender import fast, properties, versions
 from encre.pen import exr, layers
 from encre.pen.job import Frame
-from studio import cube, fact, shoot, stage
+from studio import cube, fact, material, shoot, stage
 
 ROW, PIXELS = 8, 8  # squares in a row, pixels of a square
 _MARKED = (0.7, 0.6, 0.5, 1)
@@ -519,6 +519,23 @@ def fog(out):
         scatter.inputs["Color"].default_value, scatter.inputs["Density"].default_value = (1, 1, 1, 1), 0.05
         scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
         fact("failed", shoot(out, name))
+
+
+def added(out):
+    """What is not there and adds its light, as light on cloth or on its own, before a black wall."""
+    scene = empty()
+
+    def cloth(tree):
+        node = add(tree, "BsdfDiffuse")
+        node.inputs[0].default_value = (0.3, 0.2, 0.1, 1)
+        return node.outputs[0]
+
+    lay([made("Cloth", _both("AddShader", cloth, _clear)), made("Glow", _both("AddShader", _glow, _clear)),
+         made("None", _to_surface(_clear))])
+    look()
+    cube("Wall", (0, 0, -21), 40, material("Black", (0, 0, 0)))
+    scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
+    fact("failed", shoot(out, "added"))
 
 
 # Pictures
