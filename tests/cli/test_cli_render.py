@@ -4,7 +4,9 @@
 What becomes of sequences, and of runs that fail, is in test_render_runs.py; what is refused, in
 test_render_refused.py."""
 
+import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +20,7 @@ import pytest
 from cube import ALL, CUBE, encre, fails, script, works
 from encre.cli import multilayer, render
 from encre.pen import layers, library, metadata, saved
+from encre.pen.colour import decode_srgb
 from encre.pen.errors import EncreError
 
 ASKED = """
@@ -255,6 +258,39 @@ def test_which_blender(monkeypatch, tmp_path):
 
 
 # Every Blender at hand
+
+
+@pytest.mark.slow
+def test_textures_are_the_same_by_whatever_name_a_studio_has_for_their_space(tmp_path):
+    """They were taken for linear, and washed out, where the configuration of OpenColorIO called it otherwise."""
+    own = next(Path(importlib.util.find_spec("bpy").origin).parent.glob("*/datafiles/colormanagement"))
+    for path in own.iterdir():
+        (tmp_path / path.name).symlink_to(path)
+    config, text = tmp_path / "config.ocio", (own / "config.ocio").read_text()
+    config.unlink()
+    text = re.sub(r"(default_byte|default_sequencer|color_picking|name|colorspace|src|dst): sRGB(?=[,}\n])",
+                  r"\1: Studio Texture", text)
+    config.write_text(re.sub(r"(name: Studio Texture\n +aliases: ).*", r"\1[]", text))
+    scene = script(tmp_path, f'''
+image = bpy.data.images.new("Gray", 4, 4)
+image.pixels = (0.5, 0.25, 0.75, 1) * 16
+image.filepath_raw, image.file_format = {str(tmp_path / "gray.png")!r}, "PNG"
+image.save()
+image = bpy.data.images.load({str(tmp_path / "gray.png")!r})
+assert image.colorspace_settings.name == "Studio Texture"
+block = bpy.data.materials.new("Gray")
+block.use_nodes = True
+tree = block.node_tree
+node = tree.nodes.new("ShaderNodeTexImage")
+node.image = image
+tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+mesh.materials.append(block)
+mesh.uv_layers.new()
+''')
+    works(encre("render", scene, "-o", tmp_path / "x.exr", "--fast", "-f", "3", ALL, python=sys.executable,
+                env=os.environ | {"OCIO": str(config)}))
+    color = exr.part(tmp_path / "x.exr", "ViewLayer.DiffCol")[18, 32]
+    np.testing.assert_allclose(color, [decode_srgb(round(v * 255) / 255) for v in (0.5, 0.25, 0.75)], atol=2e-3)
 
 
 @pytest.mark.long
