@@ -31,3 +31,14 @@ def test_the_free_camera_is_kept_by_walls_and_within_the_room(render):
     lowest, highest, nearest = facts["walked"]
     assert (np.array(lowest) >= np.array(low) - 1e-5).all() and (np.array(highest) <= np.array(high) + 1e-5).all()
     assert nearest > 0.9 * radius and max(np.array(highest) - lowest) > 1
+
+
+def test_books_of_one_mesh_have_lines_between_them(render):
+    """Side by side they were one box in looks of ink alone."""
+    shot = render("books")
+    for name in "ink_only", "brush_ink":
+        assert shot.facts[name] == [None]
+        row = shot.passes(name)["Combined"][45, :, :3].mean(1) < 0.95
+        starts = np.flatnonzero(row[1:] & ~row[:-1])
+        assert len(starts) == 5, (name, starts)
+        assert np.ptp(np.diff(starts)) < 3

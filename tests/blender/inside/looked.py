@@ -3,7 +3,7 @@
 
 import bpy
 import numpy as np
-from studio import fact, material, stage
+from studio import fact, material, shoot, stage
 
 
 def _striped(name, metallic):
@@ -117,3 +117,23 @@ def walks(_out):
         places.append([*free.place])
         nearest.append(room.walls.find_nearest(free.place)[3])
     fact("walked", [np.min(places, 0).tolist(), np.max(places, 0).tolist(), min(nearest)])
+
+
+def books(out):
+    """Four boxes side by side in one mesh, seen from the front, in looks of ink alone."""
+    scene = stage(ground=False)
+    for obj in [obj for obj in scene.objects if obj.type == "MESH"]:
+        bpy.data.objects.remove(obj)
+    mesh, points, faces = bpy.data.meshes.new("Books"), [], []
+    for k in range(4):
+        points += [(k - 2 + x, y, z) for x in (0, 1) for y in (-1, 1) for z in (-1, 1)]
+        faces += [[8 * k + i for i in face] for face in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6),
+                                                         (0, 2, 6, 4), (1, 5, 7, 3))]
+    mesh.from_pydata(points, [], faces)
+    mesh.materials.append(material("Cloth", (0.6, 0.4, 0.2)))
+    scene.collection.objects.link(bpy.data.objects.new("Books", mesh))
+    scene.camera.location, scene.camera.rotation_euler = (0, -9, 0), (1.5708, 0, 0)
+    for name in "ink_only", "brush_ink":
+        bpy.ops.encre.preset(preset=name)
+        scene.encre.save_layers = "ON"
+        fact(name, shoot(out, name))
