@@ -97,7 +97,6 @@ bool line_clip(const chains *c, line *l)
 	}
 	if (!(l->part[1] > l->part[0]))
 		return false;
-	l->part_long = apart(screen_at(l, l->part[0]), screen_at(l, l->part[1]));
 	l->whole_long = apart(screen_at(l, l->whole[0]), screen_at(l, l->whole[1]));
 	return l->whole_long < 1e9; /* or it is no number */
 }

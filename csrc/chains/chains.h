@@ -120,10 +120,10 @@ typedef struct line {
 	int8_t side;
 	int32_t color[2]; /* COLOR: left and right of its way on the screen */
 	bool clipped[2];
-	double whole[2], part[2];     /* between the clip planes, and in the frame with its margin */
-	double whole_long, part_long; /* pixels */
-	int64_t link[2];              /* 2 x the line that follows at that end, + its end; -1 */
-	int64_t first;                /* of its pieces */
+	double whole[2], part[2]; /* between the clip planes, and in the frame with its margin */
+	double whole_long;        /* pixels */
+	int64_t link[2];          /* 2 x the line that follows at that end, + its end; -1 */
+	int64_t first;            /* of its pieces */
 	int32_t n_pieces, room;
 	int64_t first_hidden; /* likewise, of those that are not seen */
 	int32_t n_hidden;

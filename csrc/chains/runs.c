@@ -131,13 +131,13 @@ static void hide(walk *w, double pixels)
 static void walk_line(walk *w, const line *l, int from, bool loop)
 {
 	int way = from ? -1 : 1;
-	double at = l->part[from], pixels = l->part_long / fmax(l->part[1] - l->part[0], 1e-12);
+	double at = l->part[from];
 	int count;
 	const seen_piece *all = pieces_of(w->c, l, w->hidden, &count);
 	for (int i = 0; i < count && !w->failed; i++) {
 		const seen_piece *piece = all + (way > 0 ? i : count - 1 - i);
 		double begins = way > 0 ? piece->from : piece->to, ends = way > 0 ? piece->to : piece->from;
-		double hidden = fabs(begins - at) * pixels;
+		double hidden = apart(screen_at(l, at), screen_at(l, begins));
 		bool none_yet = w->gap == INFINITY;
 		hide(w, hidden);
 		if (!w->open) {
@@ -153,7 +153,7 @@ static void walk_line(walk *w, const line *l, int from, bool loop)
 		add_piece(w, l, piece, way);
 		at = ends;
 	}
-	hide(w, fabs(l->part[1 - from] - at) * pixels);
+	hide(w, apart(screen_at(l, at), screen_at(l, l->part[1 - from])));
 }
 
 static bool is_whole(const chains *c, const line *l, bool hidden)
@@ -193,6 +193,21 @@ static int64_t ring_start(const chains *c, int64_t start, bool hidden, bool *who
 	} while (end != start);
 	*whole = part < 0;
 	return *whole ? start : part;
+}
+
+/* The end at which to enter a chain: the one given, or the other one, so that what it bounds lies to its right, however
+ * much of it lies in the frame. */
+static int64_t ahead_of(const chains *c, int64_t start)
+{
+	int64_t end = start, last = start;
+	int side = 0;
+	do {
+		const line *l = c->lines + end / 2;
+		side = side ? side : end & 1 ? -l->side : l->side;
+		last = end ^ 1;
+		end = l->link[1 - (end & 1)];
+	} while (end >= 0 && end != start);
+	return side >= 0 ? start : end < 0 ? last : c->lines[start / 2].link[start & 1];
 }
 
 /* A chain, entered at an end of its first line. */
@@ -235,7 +250,7 @@ int32_t runs_write(chains *c)
 					continue;
 				int64_t start =
 					rings ? ring_start(c, 2 * i, hidden, &whole) : 2 * i + (l->link[0] >= 0);
-				walk_chain(&w, start, whole, done);
+				walk_chain(&w, ahead_of(c, start), whole, done);
 			}
 	}
 	return w.failed ? ENCRE_ERROR_MEMORY : ENCRE_OK;

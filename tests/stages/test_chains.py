@@ -194,6 +194,44 @@ def test_a_long_edge_that_leaves_its_ground_has_the_points_of_the_whole_in_a_bor
     assert found == inside(part, *border)
 
 
+def test_a_thin_thing_before_a_rail_parts_it_in_a_border_as_in_the_whole():
+    """How wide it is on the screen was told by the mean of as much of the rail as lay in the frame."""
+    size, border = (960, 600), (60, 330, 200, 200)
+    rail = box((-1.25, -1.25, -40), (-1.2, -1.2, -2), 1)
+    pixel = 2 / perspective(*size)[0, 0] / size[0]  # at depth 1
+    posts = []
+    for k, z in enumerate(np.geomspace(2.5, 9, 40)):
+        x, wide = -1.225 * 0.95, 0.95 * z * pixel * (0.5 + 0.1 * (k % 12))
+        posts.append(box((x - wide / 2, -1.6, -0.95 * z - 0.001), (x + wide / 2, -0.9, -0.95 * z), 2 + k))
+    meshes, projection = [rail, *posts], perspective(*size)
+    whole = find(meshes, np.eye(4), projection, Frame(*size), size)
+    part = find(meshes, np.eye(4), projection, Frame(*size, *border[:2]), border[2:])
+    assert len(inside(whole, *border)) > 20 and inside(whole, *border) == inside(part, *border)
+    assert ways(whole, *border) == ways(part, *border)
+
+
+def test_what_an_outline_bounds_lies_to_its_right():
+    """Else a part of a frame has its runs the other way, and stations elsewhere."""
+    for seed in range(4):
+        turn = np.arange(7 + seed) * 2 * np.pi / (7 + seed) + seed
+        ring = np.stack([np.cos(turn), np.sin(turn), -6 + 0 * turn], 1)
+        points = np.float32([*ring, (0, 0, -5)])
+        faces = [(k, (k + 1) % len(ring), len(ring)) for k in np.random.default_rng(seed).permutation(len(ring))]
+        for whole in (faces, faces[1:]):
+            sides = find([Mesh(points, np.int32(whole))], np.eye(4))["side"]
+            assert (sides[sides != 0] > 0).mean() == 1 and sides.any()
+
+
+def ways(points, x, y, width, height):
+    """Runs about a border by what lies well inside it, in the order in which they go along it."""
+    runs = {}
+    for one, other in zip(*segments(points), strict=True):
+        middle = (one["x"] + other["x"]) / 2, (one["y"] + other["y"]) / 2
+        if x + 2 < middle[0] < x + width - 2 and y + 2 < middle[1] < y + height - 2:
+            runs.setdefault(one["run"], []).append((other["mesh"], other["edge"], one["x"], one["y"]))
+    return {tuple(each) for each in runs.values()}
+
+
 def test_what_is_kept_is_as_what_is_found_anew():
     moved, still = scene(), scene()
     for step in range(3):
