@@ -319,15 +319,17 @@ int32_t lines_find(chains *c)
 	prints printed;
 	if ((code = colors_print(c, &printed)))
 		return code;
-	c->n_lines = sum + meets + printed.n;
+	int64_t clips = clips_find(c, NULL);
+	c->n_lines = sum + meets + clips + printed.n;
 	c->lines = late_take(&c->late, (size_t)c->n_lines + 1, sizeof *c->lines);
 	if (!c->lines) {
 		prints_free(&printed);
 		return ENCRE_ERROR_MEMORY;
 	}
-	prints_move(&printed, c->lines + sum + meets);
 	for (int64_t i = 0, n = sum; i < c->kept->n_meets; i++)
 		n += meet_line(c, i, c->lines + n);
+	clips_find(c, c->lines + sum + meets);
+	prints_move(&printed, c->lines + sum + meets + clips); /* last: what is no line after all is written, too */
 	code = bands_run(c->pool, s.n_chunks, 1, write_lines, &s);
 	late_drop(&c->late, s.is_line);
 	return code;

@@ -306,6 +306,8 @@ int32_t meets_find(chains *c);
 /* candidates.c: bodies on the screen; edges that can be lines in the frame. */
 int32_t lines_aim(chains *c);
 int32_t lines_find(chains *c);
+/* clips.c: where the clip planes cut surfaces; counted, or with `out` written there, too. */
+int64_t clips_find(const chains *c, line *out);
 /* What of a line lies between the clip planes and in the frame with its margin; false: nothing does. */
 bool line_clip(const chains *c, line *l);
 /* colors.c: where colors part in the images of the job. prints.c: these on the meshes, as lines, which are then moved
@@ -341,11 +343,12 @@ void *chains_grow(void *array, size_t size, int64_t n, int64_t *room);
 typedef struct sight {
 	const chains *c;
 	double from[3], to[3];
-	double least;     /* share of the way to the clip plane: what lies before does not count */
-	double tolerance; /* it is hidden by what lies before 1 - tolerance, and touched by what lies up to 1 +
-			     tolerance */
-	double slack;     /* world units by which a triangle that touches may miss it */
-	const line *own;  /* whose faces do not count; NULL: all do */
+	double least, most; /* shares of the way to the clip planes: what lies before the one and beyond the other does
+			       not count */
+	double tolerance;   /* it is hidden by what lies before 1 - tolerance, and touched by what lies up to 1 +
+			       tolerance */
+	double slack;       /* world units by which a triangle that touches may miss it */
+	const line *own;    /* whose faces do not count; NULL: all do */
 	bool touched;
 	int32_t body, face; /* what hides it, asked first the next time; -1: nothing */
 	double at;

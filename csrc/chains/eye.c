@@ -263,7 +263,7 @@ bool ISA(sight_nearest)(sight *s)
 	const chains *c = s->c;
 	local_ray l;
 	s->body = -1;
-	s->at = 1e6;
+	s->at = s->most;
 	aim(&l, s->from, s->to, s->at);
 	int32_t stack[TREE_STACK], top = c->tree.n_nodes > 0;
 	stack[0] = 0;

@@ -39,6 +39,7 @@ static void sight_aim(sight *s, const double place[3], double depth)
 	const chains *c = s->c;
 	memcpy(s->to, place, sizeof s->to);
 	s->least = c->job->clip_start / depth;
+	s->most = c->job->clip_end > c->job->clip_start ? c->job->clip_end / depth : 1e6;
 	for (int k = 0; k < 3; k++)
 		s->from[k] = c->perspective ? c->eye[k] : place[k] + c->back[k] * depth;
 }

@@ -232,6 +232,43 @@ def ways(points, x, y, width, height):
     return {tuple(each) for each in runs.values()}
 
 
+def lies_at(points, depth):
+    one, other = segments(points)
+    return (np.abs(one["depth"] - depth) < 1e-4) & (np.abs(other["depth"] - depth) < 1e-4)
+
+
+@pytest.mark.parametrize("frame, size", [(None, SIZE), (Frame(*SIZE, 20, 10), (50, 40))])
+def test_a_surface_ends_where_a_clip_plane_cuts_it(frame, size):
+    """Nothing was drawn there: a ball that was cut had no outline at all."""
+    near, far = 8.0, 11.0
+    meshes = [box((-2, -1, -3), (2, 1, 5)), box((-30, -0.1, -40), (30, 0, 40), 2, model=turned(-60, 0))]
+    cut = find(meshes, from_above(10), None, frame, size, clip=(near, far))
+    one, other = segments(cut)
+    pixel = 2 / perspective(*SIZE)[0, 0] / SIZE[0]
+    for depth, number in ((near, 1), (far, 2)):
+        here = lies_at(cut, depth) & (other["object"] == number)
+        assert (other["kind"][here] & KIND["border"]).all() and (other["side"][here] > 0).all()
+        if frame is None and number == 1:  # all round the box, as far as nothing lies before it
+            long = np.hypot(other["x"] - one["x"], other["y"] - one["y"])[here].sum()
+            assert long == pytest.approx(2 * (4 + 2) / (near * pixel), rel=0.01)
+        assert here.any()
+    assert lies_at(find(meshes, from_above(10), clip=(0.1, 0.0)), near).sum() == 0
+
+
+def test_a_cut_has_the_points_of_the_whole_in_a_border_and_goes_on_round():
+    border = 20, 10, 40, 30
+    ring = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    tube = np.float32([(np.cos(a) * r, np.sin(a) * r, z) for z, r in ((-1, 2.0), (4, 1.0)) for a in ring])
+    k = np.arange(24)
+    faces = np.concatenate([np.c_[k, (k + 1) % 24, k + 24], np.c_[(k + 1) % 24, (k + 1) % 24 + 24, k + 24]])
+    mesh = Mesh(tube, np.int32(faces), object_index=1)
+    whole = find([mesh], from_above(10), clip=(8.0, 0.0))
+    part = find([mesh], from_above(10), None, Frame(*SIZE, *border[:2]), border[2:], clip=(8.0, 0.0))
+    assert inside(whole, *border) == inside(part, *border)
+    cut = lies_at(whole, 8.0)
+    assert len(set(segments(whole)[1]["run"][cut])) == 1, "one run goes round"
+
+
 def test_what_is_kept_is_as_what_is_found_anew():
     moved, still = scene(), scene()
     for step in range(3):
