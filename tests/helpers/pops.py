@@ -32,7 +32,7 @@ LOOKS = {"Ink only, lines of meshes": ("ink_only", MESHES), "Brush ink, lines of
 INKED = 0.25   # ink of a pixel that is looked for
 GONE = 0.125   # where no pixel near has as much, there is no ink
 REACH = 1.5    # pixels
-AROUND = [far * np.array(way) for far in (0, 1, 2.5) for way in (((0, 0),) if not far else (
+AROUND = [far * np.array(way) for far in (0, 1, 2.5, 5) for way in (((0, 0),) if not far else (
     (1, 1), (1, -1), (-1, 1), (-1, -1), (1.4, 0), (-1.4, 0), (0, 1.4), (0, -1.4)))]  # pixels
 APART = 1e-4   # share of its distance by which a point may lie behind what the eye meets there and still be seen
 
