@@ -78,10 +78,35 @@ def sampled(image, u, v, closest):
 
 
 def ink(layers, chains, **more):
-    view = (1, 0, 0, 0, 1, 0, 0, 0, 1)
-    made = library.render(layers, LOOK | more, camera=Camera(view, True, SIZE[1] / 100), outputs=["Encre Lines"],
-                          chains=chains)
-    return made.images["Encre Lines"][..., 3]
+    return drawn_by(layers, chains, **more)[0]
+
+
+def drawn_by(layers, chains, strokes=False, **more):
+    """(ink, its strokes or None)."""
+    every = library.load().complete(library.load().check(LOOK | more), [])
+    made = library.draw(layers, every, Camera((1, 0, 0, 0, 1, 0, 0, 0, 1), True, SIZE[1] / 100),
+                        outputs=["Encre Lines"], chains=chains, strokes=strokes)
+    return made.images["Encre Lines"][..., 3], made.strokes
+
+
+def exactly(strokes, shift, parts=4):
+    """The ink of strokes moved by `shift` pixels, by what they cover of `parts` x `parts` parts of a pixel."""
+    out = np.zeros((SIZE[1] * parts, SIZE[0] * parts), np.float32)
+    follows = strokes["stroke"][1:] == strokes["stroke"][:-1]
+    ends = np.stack([strokes["x"] + shift[0], strokes["y"] + shift[1]], 1).astype(float)
+    for a, b, one, other in zip(ends[:-1][follows], ends[1:][follows], strokes[:-1][follows], strokes[1:][follows],
+                                strict=True):
+        reach = max(one["width"], other["width"]) / 2 + 1
+        (x0, y0), (x1, y1) = (np.clip(np.round(parts * (v + 0.5)), 0, out.shape[::-1]).astype(int)
+                              for v in (np.minimum(a, b) - reach, np.maximum(a, b) + reach))
+        x, y = (np.arange(x0, x1) + 0.5) / parts - 0.5, (np.arange(y0, y1)[:, None] + 0.5) / parts - 0.5
+        way = b - a
+        t = np.clip(((x - a[0]) * way[0] + (y - a[1]) * way[1]) / max(way @ way, 1e-9), 0, 1)
+        wide = one["width"] + t * (other["width"] - one["width"])
+        far = np.hypot(x - a[0] - t * way[0], y - a[1] - t * way[1])
+        there = np.clip((wide / 2 - far) * parts + 0.5, 0, 1)
+        np.maximum(out[y0:y1, x0:x1], there * one["ink"][3], out=out[y0:y1, x0:x1])
+    return out.reshape(SIZE[1], parts, SIZE[0], parts).mean((1, 3))
 
 
 # ---- figures: of a side of 1, v up ---------------------------------------------------------------------------------
@@ -239,7 +264,9 @@ RIM = [np.array(edge, float) for edge in ([(0, 0), (1, 0)], [(1, 0), (1, 1)], [(
 
 
 def measured(name, texel, turn):
-    """(whole, width, stray, still) of a figure; the rim of its image, where others may draw, apart."""
+    """(whole, width, stray, still, own) of a figure; the rim of its image, where others may draw, apart. still: how
+    much ink changes in a pan, in that of lines of one width, however close; own: in that of the lines that it draws,
+    moved as the image is."""
     closest = name == "sprite"
     if closest:
         (image, lines), side = sprite(), 16 * texel
@@ -248,11 +275,15 @@ def measured(name, texel, turn):
         size = max(LEAST, int(SIDE / texel))
         image, lines, side = make(size), outline(), size * texel
     key = zlib.crc32(name.encode()) << 16 | image.shape[0]
-    frames, truths = [], []
+    frames, truths, own, strokes = [], [], [], None
     for k in range(4):
         shift = k / 8, -k / 11
         rim = nearest(on_screen(RIM, side, turn, shift)[0], SIZE[::-1], APART)[0]
-        picture = ink(*plane(image, texel, turn, key=key, closest=closest, shift=shift)) * (rim >= 4)
+        shown = plane(image, texel, turn, key=key, closest=closest, shift=shift)
+        picture, of = drawn_by(*shown, strokes=not k)
+        picture *= rim >= 4
+        strokes = strokes if k else of
+        own.append(exactly(strokes, shift) * (rim >= 4))
         places, number, along = on_screen(lines, side, turn, shift)
         frames.append(picture)
         truths.append(ideal(places) * (rim >= 4))
@@ -264,5 +295,5 @@ def measured(name, texel, turn):
             else:
                 inside &= alone(places, number, along)
             found = judged(picture, places, inside, max(1, texel / 8))
-    moves = [np.sqrt(np.mean(np.diff(np.array(all_), axis=0) ** 2)) for all_ in (frames, truths)]
-    return *found, float(moves[0] / max(moves[1], 1e-6))
+    moves = [np.sqrt(np.mean(np.diff(np.array(all_), axis=0) ** 2)) for all_ in (frames, truths, own)]
+    return *found, *(float(moves[0] / max(move, 1e-6)) for move in moves[1:])
