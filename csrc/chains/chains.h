@@ -14,6 +14,8 @@
 #include "raster/geometry.h"
 #include "raster/topology.h"
 
+#include <stdatomic.h>
+
 /* ---- shapes: kept as long as meshes are made of the same ---------------------------------------------------- */
 
 enum edge_flag {
@@ -160,11 +162,13 @@ typedef struct chains {
 	int32_t *order;
 	double eye[3], back[3]; /* back: towards an eye that is infinitely far */
 	bool perspective;
-	double pixel;               /* the size of a pixel at depth 1, or everywhere */
-	double x0, y0, x1, y1;      /* the images, in pixels of the full frame */
-	struct boundaries **images; /* by the job's; NULL: it has no lines */
-	double gone;                /* pixels between lines of colors that are not drawn */
-	bool best;                  /* whether the best instructions may be used */
+	double pixel;                 /* the size of a pixel at depth 1, or everywhere */
+	double x0, y0, x1, y1;        /* the images, in pixels of the full frame */
+	struct boundaries **images;   /* by the job's; NULL: it has no lines */
+	struct texel_recipe *recipes; /* likewise */
+	atomic_uint *lacking;         /* likewise: levels of detail that are seen and not there, bits */
+	double gone;                  /* pixels between lines of colors that are not drawn */
+	bool best;                    /* whether the best instructions may be used */
 	line *lines;
 	int64_t n_lines;
 	seen_piece *pieces, *hidden; /* hidden: NULL: nobody asks */
@@ -314,6 +318,8 @@ bool line_clip(const chains *c, line *l);
  * to where there is room for all. */
 int32_t colors_find(chains *c);
 int32_t colors_print(chains *c, prints *out);
+/* colors.c: makes the levels of detail that images lack; *any: there were such. */
+int32_t colors_fill(chains *c, bool *any);
 void prints_move(prints *p, line *to);
 void prints_free(prints *p);
 /* islands.c: the line at an edge of a body at which its image does not go on, and colors part. False: there is none. */

@@ -13,7 +13,6 @@ static const float least_seen = 0.03f; /* contrast: what is less is noise, or so
 
 typedef struct making {
 	chains *c;
-	const texel_recipe *recipe; /* by image */
 	atomic_bool failed;
 } making;
 
@@ -37,14 +36,17 @@ static void make_images(void *data, int from, int end, int thread)
 	(void)thread;
 	making *m = data;
 	for (int i = from; i < end && !bands_stopped(m->c->pool); i++) {
-		if (m->c->images[i])
+		uint32_t levels = atomic_exchange(m->c->lacking + i, 0);
+		boundaries *b = m->c->images[i];
+		if (!levels)
 			continue;
 #ifdef ENCRE_HAVE_V3
-		m->c->images[i] = m->c->best ? boundaries_make_v3(m->recipe + i) : boundaries_make_base(m->recipe + i);
+		bool made = m->c->best ? boundaries_fill_v3(b, m->c->recipes + i, levels)
+				       : boundaries_fill_base(b, m->c->recipes + i, levels);
 #else
-		m->c->images[i] = boundaries_make_base(m->recipe + i);
+		bool made = boundaries_fill_base(b, m->c->recipes + i, levels);
 #endif
-		if (!m->c->images[i])
+		if (!made)
 			atomic_store(&m->failed, true);
 	}
 }
@@ -103,21 +105,44 @@ int32_t colors_find(chains *c)
 	if (!p || !(least < INFINITY))
 		return ENCRE_OK;
 	size_t n = (size_t)job->n_images;
-	texel_recipe *recipes = late_take(&c->late, n + 1, sizeof *recipes);
+	texel_recipe *recipes = c->recipes = late_take(&c->late, n + 1, sizeof *recipes);
+	atomic_uint *levels = c->lacking = late_take(&c->late, n + 1, sizeof *levels);
 	c->images = late_take(&c->late, n + 1, sizeof *c->images);
-	if (!recipes || !c->images)
+	if (!recipes || !levels || !c->images)
 		return ENCRE_ERROR_MEMORY;
+	bool begun = true;
 	for (size_t i = 0; i < n; i++) {
 		recipes[i] = recipe_of_image(job->images + i, metric_of(p), least, p->color_smooth);
 		c->images[i] = NULL;
 		for (int k = 0; k < c->kept->n_images && !c->images[i]; k++)
 			if (boundaries_are(c->kept->images[k], recipes + i))
 				c->images[i] = c->kept->images[k];
+		for (size_t k = 0; k < i && !c->images[i]; k++) /* or two would be made of one */
+			if (c->images[k] && boundaries_are(c->images[k], recipes + i))
+				c->images[i] = c->images[k];
+		if (!c->images[i])
+			c->images[i] = boundaries_begin(recipes + i);
+		begun = begun && c->images[i];
+		atomic_init(levels + i, 0);
 	}
-	making m = {.c = c, .recipe = recipes};
-	int32_t code = bands_run(c->pool, (int)n, 1, make_images, &m);
-	if (!code && atomic_load(&m.failed))
+	int32_t code = keep_images(c);
+	if (!begun)
 		code = ENCRE_ERROR_MEMORY;
-	int32_t kept = keep_images(c);
-	return code ? code : kept;
+	return code;
+}
+
+int32_t colors_fill(chains *c, bool *any)
+{
+	making m = {.c = c};
+	*any = false;
+	for (int i = 0; i < c->job->n_images; i++) {
+		*any |= atomic_load(c->lacking + i) != 0;
+		for (int k = 0; k < i; k++)
+			if (c->images[k] == c->images[i]) { /* the first makes all */
+				atomic_fetch_or(c->lacking + k, atomic_exchange(c->lacking + i, 0));
+				break;
+			}
+	}
+	int32_t code = *any ? bands_run(c->pool, c->job->n_images, 1, make_images, &m) : ENCRE_OK;
+	return !code && atomic_load(&m.failed) ? ENCRE_ERROR_MEMORY : code;
 }

@@ -99,11 +99,14 @@ static bool print_face(const face *f, printed *to)
 		double low, high;
 		sheet on;
 		level_range(f, level, &low, &high);
-		if (!f->of->level[level].n_lines || least > high || most < low)
+		bool made = f->of->made >> level & 1;
+		if ((made && !f->of->level[level].n_lines) || least > high || most < low || !sheet_make(&on, f, level))
 			continue;
+		if (!made) {
+			atomic_fetch_or(f->c->lacking + image_of(f->c, f->b->mesh, f->number), 1u << level);
+			continue;
+		}
 		const texel_level *l = f->of->level + level;
-		if (!sheet_make(&on, f, level))
-			continue;
 		double slack[2] = {2.0 / l->width, 2.0 / l->height};
 		bool one = f->of->wrap == ENCRE_EXTEND || f->of->wrap == ENCRE_CLIP;
 		double from[2], to_[2];
@@ -176,6 +179,14 @@ void prints_free(prints *p)
 	*p = (prints){0};
 }
 
+static int32_t print_all(chains *c, printing *p, int64_t count)
+{
+	for (int64_t k = 0; k < count; k++)
+		p->chunks[k].n = 0;
+	int32_t code = bands_run(c->pool, (int)count, 1, print_faces, p);
+	return !code && atomic_load(&p->failed) ? ENCRE_ERROR_MEMORY : code;
+}
+
 int32_t colors_print(chains *c, prints *out)
 {
 	printing p = {.c = c,
@@ -198,9 +209,12 @@ int32_t colors_print(chains *c, prints *out)
 	if (!p.chunks)
 		return ENCRE_ERROR_MEMORY;
 	*out = (prints){.chunk = p.chunks, .count = count};
-	int32_t code = bands_run(c->pool, (int)count, 1, print_faces, &p);
-	if (!code && atomic_load(&p.failed))
-		code = ENCRE_ERROR_MEMORY;
+	bool more = false;
+	int32_t code = print_all(c, &p, count);
+	if (!code)
+		code = colors_fill(c, &more);
+	if (!code && more)
+		code = print_all(c, &p, count);
 	for (int64_t k = 0; k < count; k++)
 		out->n += p.chunks[k].n;
 	if (code)

@@ -263,7 +263,7 @@ static void weigh(crossings *c, const color_metric *metric, float least)
 		for (int i = 0; i < n; i++)
 			c->at[first + i].contrast = contrast[i];
 	}
-	for (size_t i = 0; i < (size_t)c->width * (size_t)c->height; i++) {
+	for (size_t i = 0; c->count && i < (size_t)c->width * (size_t)c->height; i++) {
 		if (c->right[i] >= 0 && !(c->at[c->right[i]].contrast >= least))
 			c->right[i] = -1;
 		if (c->up[i] >= 0 && !(c->at[c->up[i]].contrast >= least))
@@ -367,54 +367,46 @@ static float *halved(const float *from, int parts, int32_t width, int32_t height
 	return to;
 }
 
-boundaries *ISA(boundaries_make)(const texel_recipe *r)
+bool ISA(boundaries_fill)(boundaries *b, const texel_recipe *r, uint32_t levels)
 {
-	boundaries *b = calloc(1, sizeof *b);
 	const encre_colored *image = r->image;
-	if (!b)
-		return NULL;
-	*b = (boundaries){.key = image->key,
-			  .width = image->width,
-			  .height = image->height,
-			  .wrap = image->wrap,
-			  .closest = image->closest,
-			  .metric = r->metric,
-			  .least = r->least,
-			  .smooth = r->smooth};
 	const float *from = image->colors;
 	float *own = NULL, *alpha = NULL;
 	int32_t width = image->width, height = image->height;
-	bool made = true, clear = image->alpha != NULL;
-	if (clear) {
+	bool done = true, clear = image->alpha != NULL;
+	levels &= ~b->made;
+	if (clear && levels) {
 		size_t texels = (size_t)width * (size_t)height;
 		from = own = malloc(3 * texels * sizeof *own);
 		alpha = malloc(texels * sizeof *alpha);
-		made = own && alpha;
-		for (size_t i = 0; made && i < texels; i++)
+		done = own && alpha;
+		for (size_t i = 0; done && i < texels; i++)
 			alpha[i] = (float)image->alpha[i] / 255;
-		if (made)
+		if (done)
 			memcpy(own, image->colors, 3 * texels * sizeof *own);
 	}
-	while (made && b->n_levels < TEXEL_LEVELS && (width > 1 || height > 1)) {
+	for (int k = 0; done && levels >> k; k++) {
 		int32_t wide, tall;
-		alpha_level there = {alpha, width, height, image->wrap == ENCRE_REPEAT, image->closest && !b->n_levels};
-		made = (!clear || holes_fill(&there, own)) &&
-		       make_level(r, from, alpha, width, height, b->n_levels == 0, b->level + b->n_levels);
-		b->n_levels++;
-		float *next = made ? halved(from, 3, width, height, &wide, &tall) : NULL,
-		      *next_alpha = made && clear ? halved(alpha, 1, width, height, &wide, &tall) : NULL;
+		alpha_level there = {alpha, width, height, image->wrap == ENCRE_REPEAT, image->closest && !k};
+		done = !clear || holes_fill(&there, own);
+		if (done && levels >> k & 1) {
+			done = make_level(r, from, alpha, width, height, k == 0, b->level + k);
+			if (done)
+				b->made |= 1u << k;
+			else
+				level_free(b->level + k);
+		}
+		float *next = done ? halved(from, 3, width, height, &wide, &tall) : NULL,
+		      *next_alpha = done && clear ? halved(alpha, 1, width, height, &wide, &tall) : NULL;
 		free(own);
 		free(alpha);
 		from = own = next;
 		alpha = next_alpha;
-		made = made && next && (!clear || alpha);
-		width = made ? wide : 1;
-		height = made ? tall : 1;
+		done = done && next && (!clear || alpha);
+		width = done ? wide : 1;
+		height = done ? tall : 1;
 	}
 	free(own);
 	free(alpha);
-	if (made)
-		return b;
-	boundaries_free(b);
-	return NULL;
+	return done;
 }

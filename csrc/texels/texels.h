@@ -43,6 +43,7 @@ typedef struct boundaries {
 	float least;
 	bool smooth, used;
 	int32_t n_levels;
+	uint32_t made; /* bit k: level k */
 	texel_level level[TEXEL_LEVELS];
 } boundaries;
 
@@ -101,9 +102,12 @@ static inline bool boundaries_are(const boundaries *b, const texel_recipe *r)
 	       b->metric.lightness == r->metric.lightness && b->least == r->least && b->smooth == r->smooth;
 }
 
-/* find.c: all levels of an image; NULL without memory. */
-boundaries *boundaries_make_base(const texel_recipe *r);
-boundaries *boundaries_make_v3(const texel_recipe *r);
+/* Without a level; NULL without memory. */
+boundaries *boundaries_begin(const texel_recipe *r);
+/* parting.c: makes those of `levels`, bits, that are not there. False without memory: some are not. */
+bool boundaries_fill_base(boundaries *b, const texel_recipe *r, uint32_t levels);
+bool boundaries_fill_v3(boundaries *b, const texel_recipe *r, uint32_t levels);
+void level_free(texel_level *l);
 void boundaries_free(boundaries *b);
 /* net.c: joins crossings. False without memory: what it has made is there to be freed all the same. */
 bool net_join(net *n, crossings *c);

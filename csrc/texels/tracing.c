@@ -354,13 +354,38 @@ bool texel_curves(crossings *c, texel_level *level)
 	return made && texel_sort(level);
 }
 
+boundaries *boundaries_begin(const texel_recipe *r)
+{
+	boundaries *b = calloc(1, sizeof *b);
+	const encre_colored *image = r->image;
+	if (!b)
+		return NULL;
+	*b = (boundaries){.key = image->key,
+			  .width = image->width,
+			  .height = image->height,
+			  .wrap = image->wrap,
+			  .closest = image->closest,
+			  .metric = r->metric,
+			  .least = r->least,
+			  .smooth = r->smooth};
+	for (int32_t side = b->width > b->height ? b->width : b->height; side > 1 && b->n_levels < TEXEL_LEVELS;
+	     side /= 2)
+		b->n_levels++;
+	return b;
+}
+
+void level_free(texel_level *l)
+{
+	free(l->point);
+	free(l->line);
+	free(l->first);
+	free(l->member);
+	*l = (texel_level){0};
+}
+
 void boundaries_free(boundaries *b)
 {
-	for (int i = 0; b && i < b->n_levels; i++) {
-		free(b->level[i].point);
-		free(b->level[i].line);
-		free(b->level[i].first);
-		free(b->level[i].member);
-	}
+	for (int i = 0; b && i < b->n_levels; i++)
+		level_free(b->level + i);
 	free(b);
 }

@@ -195,3 +195,20 @@ def test_a_hole_in_an_image_has_no_lines_and_hides_none(closest):
     assert len(wall) and abs(wall[:, 0]).max() < 0.05 and np.ptp(wall[:, 1]) > 31.9
     card, wall = seen_through(holed=False, closest=closest)
     assert len(card) and not len(wall)
+
+
+def test_levels_of_detail_are_made_as_they_are_seen():
+    """A context that has seen an image from afar draws it near as one that has not, and the other way round."""
+    image, every = disc(64), library.load().complete(library.load().check(LOOK), [])
+    corners = np.float32([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    faces, uv = np.int32([[0, 1, 2], [0, 2, 3]]), np.float32([[0, 0], [1, 0], [1, 1], [0, 1]])
+    mesh, view = Mesh(corners, faces, object_index=1, material_index=1, uv=uv[faces]), np.eye(4)
+    view[2, 3] = -20
+
+    def found(size, key):
+        projection = np.diag([2 * size / SIZE[0], 2 * size / SIZE[1], -0.02, 1])
+        colors = Colors([Colored(image, key)], np.int32([-1, 0]), every)
+        return library.chains([mesh], view, projection, Frame(*SIZE), SIZE, 0.1, 100, colors=colors).tobytes()
+
+    near, far = found(120, 41), found(12, 42)
+    assert near != far and [found(12, 41), found(120, 42)] == [far, near]
