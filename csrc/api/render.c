@@ -17,7 +17,6 @@ static const stage *const stages_base[] = {STAGES(POINTER)};
 static const stage *const stages_v3[] = {STAGES(POINTER)};
 #undef POINTER
 #endif
-enum { N_STAGES = sizeof stages_base / sizeof *stages_base };
 
 static const stage *const *stages_of(const encre_context *context)
 {
@@ -100,6 +99,12 @@ static void stand_in(work *w)
 		w->f.layer[ENCRE_LAYER_ALBEDO] = w->f.layer[ENCRE_LAYER_COLOR];
 }
 
+/* Whether what runs after needs the whole picture first. */
+static bool draws_whole(const stage *s, const frame *f)
+{
+	return s->run && (!s->draws || s->draws(f));
+}
+
 /* The stage of edges is the first, and plans in memory of its own. */
 static void plan(work *w, arena *a, arena *edges)
 {
@@ -138,6 +143,9 @@ static void plan(work *w, arena *a, arena *edges)
 	f->strength = NULL;
 	f->nearest = NULL;
 	f->nearest_planned = f->search_planned = f->search_done = false;
+	f->hatches_along = true;
+	for (int s = STAGE_shade + 1; s < STAGE_hatch; s++)
+		f->hatches_along &= !draws_whole(stages[s], f);
 	for (int s = 0; s < N_STAGES; s++)
 		if (stages[s]->plan)
 			stages[s]->plan(f, s ? a : edges);
@@ -256,8 +264,7 @@ static int32_t first(work *w)
 	for (int s = 0; !code && s < N_STAGES; s++)
 		if (stages[s]->prepare)
 			code = stages[s]->prepare(f);
-	while (w->early < N_STAGES &&
-	       (!stages[w->early]->run || (stages[w->early]->draws && !stages[w->early]->draws(f))))
+	while (w->early < N_STAGES && !draws_whole(stages[w->early], f))
 		w->early++;
 	if (!code && w->style)
 		code = bands_run(f->bands, f->height, 0, style_rows, w);

@@ -36,6 +36,10 @@
 	X(shade)                                                                                                       \
 	X(example) X(gouache) X(smudge) X(paper) X(wash) X(hatch) X(tones) X(rim) X(specks) X(print) X(relief) X(lines)
 
+#define NUMBER(name) STAGE_##name,
+enum { STAGES(NUMBER) N_STAGES };
+#undef NUMBER
+
 /* ---- frame: what stages read and make -------------------------------------------------------------------- */
 
 typedef struct plane {
@@ -146,6 +150,7 @@ typedef struct frame {
 	void *example;     /* the painted balls of each style */
 	/* edges, lines: scratch */
 	void *edges, *lines;
+	bool hatches_along; /* no stage between shade and hatching draws by the whole picture */
 	float *bright; /* shade: what hatching asks of rows, by thread those that are drawn together (bright_row());
 			  NULL: it finds out itself */
 	void *gouache; /* gouache: room and strokes */

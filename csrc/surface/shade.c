@@ -260,14 +260,11 @@ static void shade_rows(void *data, int y0, int y1, int thread)
 		}
 }
 
-/* Hatching looks at what is split here anyway, and comes next on the same rows where nothing between them needs the
- * whole picture. */
+/* Hatching looks at what is split here anyway, where it comes next on the same rows. */
 static void plan(frame *f, arena *a)
 {
-	bool between =
-		f->any.use_gouache || f->any.use_wash || (f->any.use_smudging && f->layer[ENCRE_LAYER_CONTROLS].data);
 	f->bright = NULL;
-	if (f->any.use_hatching && f->any.use_shading && !between)
+	if (f->any.use_hatching && f->any.use_shading && f->hatches_along)
 		f->bright = arena_take(a, (size_t)bands_threads(f->bands) * NEAR_ROWS * (size_t)f->width,
 				       sizeof *f->bright);
 }
