@@ -111,13 +111,16 @@ def test_short_folds_of_smooth_forms_are_dropped_by_what_they_span_and_come_by_d
     def share(span, kind="contour smooth", **values):
         given = line(dents(span), kind, side=1, gap=4)
         return drawn(flat(), given, **values).sum() / drawn(flat(), given, line_shortest=0.0).sum()
-    assert share(10) == 0 and share(26) == 1
-    assert 0.3 < share(18) < 0.7
+    assert share(10) == 0 and share(20) == 1
+    assert 0.3 < share(15) < 0.7
     assert share(10, line_shortest=4.0) == 1
     ring = [(40 + 2.5 * np.cos(t), 30 + 2.5 * np.sin(t)) for t in np.linspace(0, 2 * np.pi, 12)]
     ring[-1] = ring[0]
     for kind, ink in (("contour smooth", False), ("contour", True)):  # a rivet is none of a rough surface
         assert drawn(flat(), line(ring, kind, side=1, gap=4)).any() == ink
+    eye = line([(40 + 2.6 * (x - 40), 30 + 1.5 * (y - 30)) for x, y in ring], "contour smooth", side=1, gap=4)
+    assert drawn(flat(), eye).sum() > 0.6 * drawn(flat(), eye, line_shortest=0.0).sum() > 20
+    assert share(13) < 0.3
 
 
 def test_an_outline_among_many_folds_stays_whole_and_these_vanish():

@@ -134,11 +134,11 @@ static bool is_smooth(const fine *n, const site *s)
 }
 
 /* Of its least length, so much longer a line of a smooth form must be to have its whole width. */
-static const float whole_length = 2;
+static const float whole_length = 1.5f;
 
-/* How far smooth forms' lines span, whose edges may go to and fro, and how long all else is. */
+/* How far smooth forms' lines span, whose edges may go to and fro, and how long they and all else are. */
 typedef struct extent {
-	float left, top, right, bottom, length;
+	float left, top, right, bottom, smooth, length;
 } extent;
 
 static void extend(const fine *n, extent *e, const site *s)
@@ -158,10 +158,11 @@ static float size_of(const extent *e)
 }
 
 /* How large all is that hangs together with a place, if it is free at all its ends; else, and from `most` on,
- * infinitely. It is in `found`, marked as a crumb until drop_if_short() goes on. */
-static float size_about(const fine *n, uint32_t i, float most, uint32_t *found, uint32_t *count)
+ * infinitely. *whole: what goes round counts more, for an eye is no dent. It is in `found`, marked as a crumb until
+ * drop_if_short() goes on. */
+static float size_about(const fine *n, uint32_t i, float most, uint32_t *found, uint32_t *count, float *whole)
 {
-	extent e = {INFINITY, INFINITY, -INFINITY, -INFINITY, 0};
+	extent e = {INFINITY, INFINITY, -INFINITY, -INFINITY, 0, 0};
 	found[0] = i;
 	*count = 1;
 	n->site[i].linked.crumb = true;
@@ -174,8 +175,8 @@ static float size_about(const fine *n, uint32_t i, float most, uint32_t *found, 
 		for (uint32_t link = n->at[at]; link < n->at[at + 1]; link++) {
 			uint32_t next = n->to[link];
 			/* it is met from both ends */
-			if (!is_smooth(n, n->site + at) || !is_smooth(n, n->site + next))
-				e.length += sqrtf(apart2(n->site + at, n->site + next)) / 2;
+			float half = sqrtf(apart2(n->site + at, n->site + next)) / 2;
+			*(is_smooth(n, n->site + at) && is_smooth(n, n->site + next) ? &e.smooth : &e.length) += half;
 			if (n->site[next].linked.crumb)
 				continue;
 			n->site[next].linked.crumb = true;
@@ -183,6 +184,7 @@ static float size_about(const fine *n, uint32_t i, float most, uint32_t *found, 
 			found[(*count)++] = next;
 		}
 	}
+	*whole = max(size_of(&e), e.length + e.smooth / 2);
 	return size_of(&e) < most ? size_of(&e) : INFINITY;
 }
 
@@ -190,7 +192,8 @@ static float size_about(const fine *n, uint32_t i, float most, uint32_t *found, 
 static void drop_if_short(const fine *n, uint32_t i, uint32_t *found, bool *large)
 {
 	uint32_t count;
-	float least = least_length(n->f, n->site + i), size = size_about(n, i, whole_length * least, found, &count);
+	float least = least_length(n->f, n->site + i), whole = 0,
+	      size = size_about(n, i, whole_length * least, found, &count, &whole);
 	for (uint32_t k = 0; k < count; k++) {
 		site *s = n->site + found[k];
 		s->linked.crumb = false;
@@ -198,7 +201,7 @@ static void drop_if_short(const fine *n, uint32_t i, uint32_t *found, bool *larg
 		s->linked.dropped |= size < least;
 		if (size < INFINITY && is_smooth(n, s) && !large[found[k]])
 			s->placed.eased = (uint8_t)(255 -
-						    clamp01((size / least - 1) / (whole_length - 1)) *
+						    clamp01((whole / least - 1) / (whole_length - 1)) *
 							    (float)(255 - s->placed.eased) +
 						    0.5f);
 		large[found[k]] = true;
