@@ -33,8 +33,8 @@ def colors():
     return {
         "sand": flat("Sand", (0.84, 0.70, 0.48)), "sea": flat("Sea", (0.22, 0.50, 0.58)),
         "cream": flat("Cream", (0.90, 0.84, 0.70)), "rose": flat("Rose", (0.78, 0.36, 0.34)),
-        "teal": flat("Teal", (0.10, 0.42, 0.44)), "navy": flat("Navy", (0.035, 0.045, 0.10)),
-        "wood": flat("Wood", (0.44, 0.26, 0.13)), "tar": flat("Tar", (0.03, 0.028, 0.032)),
+        "teal": flat("Teal", (0.10, 0.42, 0.44)), "navy": flat("Navy", (0.05, 0.066, 0.155)),
+        "wood": flat("Wood", (0.44, 0.26, 0.13)), "tar": flat("Tar", (0.11, 0.085, 0.075)),
         "white": flat("White", (0.90, 0.88, 0.84)), "sun": flat("Ochre", (0.86, 0.56, 0.12)),
         "brass": flat("Brass", (0.70, 0.48, 0.14)),
     }
