@@ -24,6 +24,7 @@ typedef struct flat {
 	bands *pool;
 	int factor, width, height;
 	bool wraps;
+	bool clean;           /* drawn in flat colors: all that is sharp in it is meant */
 	float *color, *other; /* height x width x 3 */
 	int32_t (*fixed)[3];  /* in FLAT_UNIT, smoothed */
 	int32_t (*given)[3];  /* likewise, as they were */

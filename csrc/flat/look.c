@@ -156,13 +156,37 @@ static void fix_rows(void *data, int y0, int y1, int thread)
 			x->to[i][c] = (int32_t)nearest_int(f->color[3 * i + (size_t)c] * FLAT_UNIT);
 }
 
+/* Whether most neighbours have the same color, but for what 8 bits and painted shade make them differ: there is no
+ * grain to take away, and of what is hardly another color, as a nose or a mouth, nothing may go with it. */
+static bool is_clean(const flat *f)
+{
+	enum { SAME = 24 /* of FLAT_UNIT */, PERCENT = 85 };
+	int64_t pairs = 0, same = 0;
+	for (int y = 0; y < f->height; y++)
+		for (int x = 0; x + 1 < f->width; x++) {
+			size_t i = (size_t)y * (size_t)f->width + (size_t)x;
+			if (f->area[i] == FLAT_CLEAR || f->area[i + 1] == FLAT_CLEAR)
+				continue;
+			int32_t most = 0;
+			for (int c = 0; c < 3; c++) {
+				int32_t d = f->given[i][c] - f->given[i + 1][c];
+				d = d < 0 ? -d : d;
+				most = d > most ? d : most;
+			}
+			pairs++;
+			same += most <= SAME;
+		}
+	return 100 * same > PERCENT * pairs;
+}
+
 int32_t flat_look(flat *f)
 {
 	fixing given = {f, f->given}, fixed = {f, f->fixed};
 	int32_t code = bands_run(f->pool, f->height, 0, look_rows, f);
 	if (!code)
 		code = bands_run(f->pool, f->height, 0, fix_rows, &given);
-	for (int k = 0; !code && k < ROUNDS; k++) {
+	f->clean = !code && is_clean(f);
+	for (int k = 0; !code && !f->clean && k < ROUNDS; k++) {
 		code = bands_run(f->pool, f->height, 0, smooth_rows, f);
 		float *was = f->color;
 		f->color = f->other;

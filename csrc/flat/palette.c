@@ -23,15 +23,39 @@ static float apart2_of(const float *a, const float *b)
 	return l * l + u * u + v * v;
 }
 
-/* The mean of an area's lighter half: with its painted shade it would be dull. `lit`: by area, of `fixed` and how
- * many. */
-static void pick(const flat *f, int64_t (*lit)[4])
+/* Of each texel: whether all about it is of its area, and so none of its color is of what is beside. */
+static void find_inside(const flat *f, uint8_t *inside)
+{
+	for (int y = 0; y < f->height; y++)
+		for (int x = 0; x < f->width; x++) {
+			size_t i = (size_t)y * (size_t)f->width + (size_t)x;
+			bool all = f->area[i] != FLAT_CLEAR;
+			for (int k = 0; all && k < 9; k++)
+				all = f->area[flat_index(f, x + k % 3 - 1, y + k / 3 - 1)] == f->area[i];
+			inside[i] = all;
+		}
+}
+
+/* The mean of an area's lighter half: with its painted shade it would be dull. What mixes with other areas at its
+ * border does not count where there is something inside: a pupil would be as light as its rim. `lit`: by area, of
+ * `fixed` and how many; `inside`: by texel. */
+static void pick(const flat *f, int64_t (*lit)[4], uint8_t *inside, int64_t (*own)[2])
 {
 	size_t n = (size_t)f->width * (size_t)f->height;
+	find_inside(f, inside);
 	memset(lit, 0, n * sizeof *lit);
+	memset(own, 0, n * sizeof *own);
+	for (size_t i = 0; i < n; i++)
+		if (inside[i]) {
+			own[f->area[i]][0] += f->fixed[i][0];
+			own[f->area[i]][1]++;
+		}
 	for (size_t i = 0; i < n; i++) {
 		int32_t a = f->area[i];
-		if (a == FLAT_CLEAR || (int64_t)f->fixed[i][0] * f->size[a] < f->sum[a][0])
+		if (a == FLAT_CLEAR || (own[a][1] && !inside[i]))
+			continue;
+		int64_t size = own[a][1] ? own[a][1] : f->size[a], sum = own[a][1] ? own[a][0] : f->sum[a][0];
+		if ((int64_t)f->fixed[i][0] * size < sum)
 			continue;
 		for (int c = 0; c < 3; c++)
 			lit[a][c] += f->fixed[i][c];
@@ -122,12 +146,13 @@ static void choose(flat *f, group *g, int n)
 int32_t flat_colors(flat *f, int most)
 {
 	size_t n = (size_t)f->width * (size_t)f->height;
-	int64_t (*lit)[4] = malloc(n * sizeof *lit);
+	int64_t (*lit)[4] = malloc(n * sizeof *lit), (*own)[2] = malloc(n * sizeof *own);
+	uint8_t *inside = calloc(n, 1);
 	group *g = malloc(n * sizeof *g);
 	int count = 0;
-	int32_t code = lit && g ? ENCRE_OK : ENCRE_ERROR_MEMORY;
+	int32_t code = lit && own && inside && g ? ENCRE_OK : ENCRE_ERROR_MEMORY;
 	if (!code)
-		pick(f, lit);
+		pick(f, lit, inside, own);
 	for (size_t a = 0; !code && a < n; a++) {
 		if (!f->size[a])
 			continue;
@@ -153,6 +178,8 @@ int32_t flat_colors(flat *f, int most)
 				f->area[i] = f->map[f->area[i]];
 	}
 	free(g);
+	free(inside);
+	free(own);
 	free(lit);
 	return code;
 }

@@ -11,6 +11,7 @@ static const double other_hue = 0.08; /* in a and b */
 static const double crumb = 0.25;     /* what is tiny beside what is tiny is one, if it differs less */
 static const double speck = 0.45;     /* of what is smaller, at FLAT_MOST texels:
 					 size times the square of its contrast */
+static const double dot = 0.06;       /* likewise in an image that is clean */
 
 /* What two areas differ by across their border, on the mean over so many texels. */
 typedef struct border {
@@ -212,7 +213,7 @@ static void tidy(joining *j, borders *all)
 {
 	enum { ROUNDS = 12 };
 	double size = j->f->width > j->f->height ? j->f->width : j->f->height;
-	double most = speck * (size / FLAT_MOST) * (size / FLAT_MOST);
+	double most = (j->f->clean ? dot : speck) * (size / FLAT_MOST) * (size / FLAT_MOST);
 	for (int round = 1; round <= ROUNDS; round++)
 		join_nearest(j, all, of_loss, most * round / ROUNDS);
 	while (join_nearest(j, all, of_loss, most))

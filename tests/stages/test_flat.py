@@ -53,6 +53,28 @@ def within(mask, texels=2):
     return mask
 
 
+def test_what_is_drawn_in_a_clean_image_stays_as_it_is():
+    """A nose and a mouth of hardly another color went with grain that was not there, and pupils became as light as
+    their rims. Slowly painted shade goes."""
+    fine = 4
+    y, x = (np.mgrid[:512 * fine, :512 * fine] + 0.5) / fine
+    shade = 1 - 0.08 * np.clip((y - 330) / 100, 0, 1)
+    image = np.where((np.hypot(x - 256, y - 256) < 200)[..., None], np.array((246, 147, 115)) * shade[..., None], HAIR)
+    nose, dot = (np.abs(x - 256) < 12) & (np.abs(y - 260) < 4), np.hypot((x - 256) / 6, (y - 300) / 3) < 1
+    pupils = [np.hypot(x - at, y - 230.3) < radius for at, radius in ((200.7, 9), (310.2, 3.2))]
+    image[nose | dot], image[pupils[0] | pupils[1]] = (244, 122, 92), (36, 16, 17)
+
+    def small(a):
+        return a.reshape(512, fine, 512, fine, -1).mean((1, 3))
+
+    got = flat(of_bytes(small(image)), 48).astype(float)
+    for part, color in ((nose, (244, 122, 92)), (dot, (244, 122, 92)), *((pupil, (36, 16, 17)) for pupil in pupils)):
+        inside = small(part[..., None])[..., 0] == 1
+        assert inside.sum() > 10 and np.abs(got[inside] - color).max() < 9, color
+    below = got[380:430, 256]
+    assert np.ptp(below, 0).max() < 2
+
+
 def test_shade_and_grain_go_and_lips_stay():
     image, lips = face()
     got = flat(image)
