@@ -12,6 +12,7 @@ from .inputs import Inputs
 # by powers from 3 on. Colors that are made of it are .006 away at most, where that cosine is above .3.
 _LOST = (2.4704, -6.2853, 2.9279), (-5.2773, 18.1391, -9.47), (3.011, -11.0058, 6.1833)
 _LOST_ON_AVERAGE = 0.2894, 3.117, -4.4391, 1.6239
+_MATT = 0.6, 0.9  # how rough a metal is that begins to be matt, and one that is
 _TINT = 0.02    # differences of color that nobody sees
 _ROUGH = 0.35   # from where on it tells how it is looked at
 
@@ -209,6 +210,11 @@ class Shaders(Inputs):
             metallic, gleam = self._among_facets(node, base, self._mean_mirrored(base, edge), rough)
         mirrored = build.multiply(alpha, metal)
         other = build.subtract(other, mirrored)
+        # A metal so rough mirrors nothing that is told apart: it is matt, as light falls on it, and has no highlights.
+        dull = build.clamp(build.multiply(build.subtract(rough, _MATT[0]), 1 / (_MATT[1] - _MATT[0])))
+        dull = build.multiply(mirrored, dull)
+        mirrored = build.subtract(mirrored, dull)
+        gleams = build.subtract(metal, dull)
         if "Specular IOR Level" in inputs:  # since 4.0
             level = build.multiply(self._mirrors(self.number(inputs["IOR"])),
                                    build.multiply(2.0, self.number(inputs["Specular IOR Level"])))
@@ -217,11 +223,12 @@ class Shaders(Inputs):
         else:
             shine = (build.multiply(0.08, self.number(inputs["Specular"])),) * 3
             coat = build.multiply(0.01, self.number(inputs["Clearcoat"]))  # a quarter of what glass has
-        return {"BSDF": Surface(tuple(build.multiply(c, matt) for c in base),
+        return {"BSDF": Surface(tuple(build.add(build.multiply(c, matt), build.multiply(m, dull))
+                                      for c, m in zip(base, metallic, strict=True)),
                                 tuple(build.add(build.multiply(c, other), build.multiply(m, mirrored))
                                       for c, m in zip(base, metallic, strict=True)),
                                 tuple(build.multiply(c, strength) for c in glow), alpha, rough,
-                                tuple(build.multiply(alpha, c) for c in self._mixed(shine, gleam, metal)), rough,
+                                tuple(build.multiply(alpha, c) for c in self._mixed(shine, gleam, gleams)), rough,
                                 build.multiply(alpha, coat),
                                 build.clamp(self.number(named("Coat Roughness", "Clearcoat Roughness"))))}
 

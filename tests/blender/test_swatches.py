@@ -93,6 +93,16 @@ def test_fog_hides_what_is_far(render):
             np.testing.assert_allclose(glow[4, 8 * k + 4], want, atol=2e-4, err_msg=f"{name} {way}")
 
 
+def test_rough_metals_are_matt(render):
+    """Which those of many glTF files are by default: light on a ground of one was a blank highlight in steps."""
+    shot = render("metals")
+    assert shot.facts["failed"] == [None]
+    (rough, smooth), (rough_gloss, smooth_gloss) = (shot.passes("metals")[name][4, 4:20:8]
+                                                    for name in ("DiffCol", "GlossCol"))
+    assert (rough > 0.15).all() and not rough_gloss.any()
+    assert (smooth_gloss > 0.3).all() and not smooth.any()
+
+
 def test_what_is_added_to_what_shows_through_it_is_seen(render):
     """Diffuse shaders added to transparent ones were not: they have no place that light falls on."""
     shot = render("added")

@@ -521,6 +521,24 @@ def fog(out):
         fact("failed", shoot(out, name))
 
 
+def metals(out):
+    """A metal that is rough and one that is not, of Principled."""
+    scene = empty()
+
+    def metal(rough):
+        def make(tree, output):
+            node = add(tree, "BsdfPrincipled")
+            node.inputs["Base Color"].default_value = (0.6, 0.5, 0.4, 1)
+            node.inputs["Metallic"].default_value, node.inputs["Roughness"].default_value = 1, rough
+            tree.links.new(node.outputs[0], output.inputs["Surface"])
+        return make
+
+    lay([made("Rough", metal(1.0)), made("Smooth", metal(0.3))])
+    look()
+    scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
+    fact("failed", shoot(out, "metals"))
+
+
 def added(out):
     """What is not there and adds its light, as light on cloth or on its own, before a black wall."""
     scene = empty()
