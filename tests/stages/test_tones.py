@@ -237,6 +237,21 @@ def test_the_sky_in_a_dark_sea_does_not_cut_it():
             assert (ink[:3, 14:] == 0).all() and (ink[6:, 18:] == 0).all() and ink[6:, :8].all() != mirrors
 
 
+def test_light_that_falls_off_a_lamp_has_one_shape_in_manga():
+    """Each level's border was a ring around it: dots get smaller toward it, and only black has an edge."""
+    values = presets.find("Manga").values | dict(use_lines=False, length_unit="PIXELS", tone_detail=0.0, tone_least=0.0,
+                                                 shade_meter="SCENE", tone_local=0.0)
+    one = np.ones((120, 900, 3), np.float32)
+    light = one * (1.3 / (1 + (np.arange(900) / 300) ** 2)).astype(np.float32)[None, :, None] ** 1.5
+    layers = dict(color=0.7 * one, diffuse=light, depth=one[..., :1], normal=one,
+                  combined=np.concatenate([0.7 * light, one[..., :1]], 2))
+    ink = library.render(layers, values, outputs=["Encre Tones"]).images["Encre Tones"][..., 3].mean(0)
+    smooth = np.convolve(ink, np.ones(17) / 17, "same")[30:-30]  # two rows of dots
+    steps = np.abs(smooth[17:] - smooth[:-17])
+    grays = (smooth[17:] < 0.75) & (smooth[:-17] < 0.75)
+    assert smooth[0] < 0.01 and smooth[-1] > 0.99 and steps.max() > 0.2 and steps[grays].max() < 0.12
+
+
 HAIR = {"auburn": (0.22, 0.065, 0.03), "dark auburn": (0.165, 0.037, 0.011), "chestnut": (0.3, 0.06, 0.036)}
 SKIN = {"light": (0.8, 0.55, 0.42), "tan": (0.45, 0.25, 0.15), "brown": (0.22, 0.11, 0.06), "olive": (0.2, 0.12, 0.06)}
 
