@@ -103,6 +103,7 @@ def steps(picture: np.ndarray, albedo: np.ndarray, normal: np.ndarray, threads: 
     yield from _clean(out, images, _box(there), threads, home, at, scale, fast)
     if surface:
         yield [samples.even_work(out, picture, normal, *surface)]
+    out[~there] = picture[~there]  # light that ran out over an edge would be a shadow that a catcher shows
     return out
 
 

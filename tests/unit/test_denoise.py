@@ -41,6 +41,17 @@ def test_edges_of_the_frame_are_as_clean_as_its_middle():
     assert np.mean(edges) < 1.5 * middle
 
 
+def test_no_light_runs_out_to_where_nothing_is():
+    """There it would be a shadow that a catcher shows: black crumbs in a light sky, by tones."""
+    _, noise, albedo, normal = noisy(120, 160)
+    outside = np.zeros((120, 160), bool)
+    outside[:, 100:], outside[20:50, 20:60] = True, True
+    for layer in noise, albedo, normal:
+        layer[outside] = 0
+    clean = denoise.denoise(noise, albedo, normal, 2, home=HOME)
+    assert not clean[outside].any() and clean[~outside].all()
+
+
 def test_strips_are_the_whole(monkeypatch):
     _, *given = noisy(500, 150)
     asked = []
