@@ -310,10 +310,10 @@ static metering metering_by(const encre_params *p, const encre_camera *camera)
 		shade = p->meter_shade;
 	}
 	if (!(full > 1e-30f))
-		return (metering){FLT_MAX, 1, 0};
+		return (metering){FLT_MAX, 1, 0, 1};
 	if (!(shade > 1e-30f && full - shade > 1e-30f))
-		return (metering){FLT_MAX, 1 / full, 0};
-	return (metering){shade, ENCRE_SHADE / shade, (1 - ENCRE_SHADE) / (full - shade)};
+		return (metering){FLT_MAX, 1 / full, 0, full};
+	return (metering){shade, ENCRE_SHADE / shade, (1 - ENCRE_SHADE) / (full - shade), full};
 }
 
 int32_t encre_render(encre_context *context, encre_job *job)

@@ -90,9 +90,10 @@ typedef struct ahead {
 	int x, y, end, apart[13];
 } ahead;
 
-/* From light to what thresholds are compared with: up to a light by one factor, beyond it by another. */
+/* From light to what thresholds are compared with: up to a light by one factor, beyond it by another. Full light is
+ * what becomes 1. */
 typedef struct metering {
-	float knee, below, beyond;
+	float knee, below, beyond, full;
 } metering;
 
 /* What was drawn as strokes, for whoever asked: made by malloc(). */

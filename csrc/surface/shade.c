@@ -79,11 +79,13 @@ typedef struct parts {
 	bool bare;
 } parts;
 
-/* The brightness over which a highlight's shape ends. */
+/* The brightness over which a highlight's shape ends, as a share of full light. */
 static const float highlight_edge = 0.05f;
 
 static parts parts_of(const frame *f, const encre_params *p)
 {
+	float light = max(f->metered.full, 1); /* a bright sun makes no highlight of what is rough */
+
 	return (parts){
 		.bare = f->params->surface == surface_PAPER,
 		.background = f->params->other_background,
@@ -91,8 +93,8 @@ static parts parts_of(const frame *f, const encre_params *p)
 		.reflections = p->other_reflections,
 		.glow = p->other_glow,
 		.shape = p->highlight_shape,
-		.threshold = p->highlight_threshold,
-		.inverse = 1 / highlight_edge,
+		.threshold = min(p->highlight_threshold * light, FLT_MAX),
+		.inverse = 1 / (highlight_edge * light),
 		.tones = (float)p->reflection_tones,
 		.color = {p->highlight_color[0], p->highlight_color[1], p->highlight_color[2]},
 	};

@@ -104,7 +104,8 @@ def weighted(layers, params):
     rest = whole - background - gloss
     threshold, shape = (params.at("highlight_" + name, layers.style) for name in ("threshold", "shape"))
     bright = value(lamps)
-    share = clamp01((bright - threshold) / 0.05 + 0.5)
+    light = max(layers.meter[0], 1)
+    share = clamp01((bright / light - threshold) / 0.05 + 0.5)
     given = layers.gives_highlights * shape[..., None]
     metal, full = clamp01(8 * (value(layers.gloss) - 0.06)), value(layers.gloss)
     tint = mix(1.0, layers.gloss / np.where(full > 0, full, 1)[..., None], metal[..., None])
