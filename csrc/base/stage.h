@@ -279,6 +279,13 @@ static inline float metal_share(const float *gloss)
 	return clamp01(8 * (max3(gloss[0], gloss[1], gloss[2]) - 0.06f));
 }
 
+/* How far a normal points along one of the camera's axes, 0..2: right, up, towards the eye. */
+static inline float turned_to(const frame *f, int axis, const float *normal)
+{
+	const float *v = f->camera.view + 3 * axis;
+	return v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2];
+}
+
 /* What is painted onto the light of pixel i of controls_at(), exposed: half at full paint. */
 static inline float painted_light(const float *controls, ptrdiff_t i)
 {

@@ -40,12 +40,6 @@ static float object_at(const frame *f, int x, int y)
 	return row ? row[x] : 0;
 }
 
-static float turned_to(const frame *f, int axis, const float *normal)
-{
-	const float *v = f->camera.view + 3 * axis;
-	return v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2];
-}
-
 static float span_of(const frame *f, float depth)
 {
 	return f->camera.orthographic ? f->camera.height : depth;

@@ -115,18 +115,25 @@ static inline float to_tone(float light, float tones)
 	return root > 0 ? tone * tone / (root * root) : 0;
 }
 
+/* What of a highlight counts as a shape: what is seen at a grazing angle throws back much however rough it is. */
+static inline float glint(const frame *f, const float *normal)
+{
+	float facing = clamp01(2 * turned_to(f, 2, normal));
+	return facing * facing;
+}
+
 /* combined with each part as strong as wanted. Whatever no layer tells apart counts as glass and emission. Layers that
  * are absent are NULL. */
-static void weigh_row(const parts *k, int n, const float *restrict combined, const float *restrict color,
-		      const float *restrict diffuse, const float *restrict specular, const float *restrict highlights,
-		      const float *restrict gloss, const float *restrict background, const float *restrict depth,
-		      float *restrict out)
+static void weigh_row(const frame *f, const parts *k, int n, const float *restrict combined,
+		      const float *restrict color, const float *restrict diffuse, const float *restrict normal,
+		      const float *restrict specular, const float *restrict highlights, const float *restrict gloss,
+		      const float *restrict background, const float *restrict depth, float *restrict out)
 {
 	for (int i = 0; i < n; i++) {
 		const float *h = highlights ? highlights + 3 * i : NULL, *own = gloss ? gloss + 3 * i : NULL;
 		float metal = own ? metal_share(own) : 0, full = own ? max3(own[0], own[1], own[2]) : 0;
 		bool nothing = !(depth_of(depth[i]) < INFINITY);
-		float bright = h ? max3(h[0], h[1], h[2]) : 0, share = 0;
+		float bright = h ? max3(h[0], h[1], h[2]) * glint(f, normal + 3 * i) : 0, share = 0;
 		if (k->inverse > 0)
 			share = clamp01((bright - k->threshold) * k->inverse + 0.5f);
 		else
@@ -221,9 +228,9 @@ static void shade_run(const frame *f, const encre_params *p, int y, int x, int n
 	parts k = parts_of(f, p);
 	if (p->use_shading && !as_rendered(&k)) {
 		const float *gloss = k.tones > 0 || k.shape > 0 ? part_of(f, ENCRE_LAYER_GLOSS, x, y) : NULL;
-		weigh_row(&k, n, combined, color, diffuse, part_of(f, ENCRE_LAYER_SPECULAR, x, y),
-			  part_of(f, ENCRE_LAYER_HIGHLIGHTS, x, y), gloss, part_of(f, ENCRE_LAYER_BACKGROUND, x, y),
-			  layer_row(f, ENCRE_LAYER_DEPTH, y) + x, weighed);
+		weigh_row(f, &k, n, combined, color, diffuse, part_of(f, ENCRE_LAYER_NORMAL, x, y),
+			  part_of(f, ENCRE_LAYER_SPECULAR, x, y), part_of(f, ENCRE_LAYER_HIGHLIGHTS, x, y), gloss,
+			  part_of(f, ENCRE_LAYER_BACKGROUND, x, y), layer_row(f, ENCRE_LAYER_DEPTH, y) + x, weighed);
 		if (gloss && k.tones > 0)
 			mirrored_row(&k, n, color, diffuse, gloss, part_of(f, ENCRE_LAYER_BACKGROUND, x, y), weighed);
 		combined = weighed;
