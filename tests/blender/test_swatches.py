@@ -105,9 +105,9 @@ def test_rough_metals_are_matt(render):
 
 def test_what_is_added_to_what_shows_through_it_is_seen(render):
     """Diffuse shaders added to transparent ones were not: they have no place that light falls on."""
-    shot = render("added")
+    shot = render("added_shaders")
     assert shot.facts["failed"] == [None]
-    cloth, glow, none = shot.passes("added")["Emit"][4, 4:28:8]
+    cloth, glow, none = shot.passes("added_shaders")["Emit"][4, 4:28:8]
     np.testing.assert_allclose(cloth, (0.3, 0.2, 0.1), atol=1e-3)
     np.testing.assert_allclose(glow, (0.7, 0.6, 0.5), atol=1e-3)
     assert not none.any()

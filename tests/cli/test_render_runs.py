@@ -37,7 +37,7 @@ def test_resume_leaves_alone_what_is_whole_and_made_from_the_same(cube, tmp_path
     before = finished.read_bytes()
     half.write_bytes(half.read_bytes()[:-2000])
     hurt = bytearray(middle.read_bytes())
-    at = len(hurt) // 2 if ending == "exr" else hurt.index(b"IDAT") + 30
+    at = 3 * len(hurt) // 4 if ending == "exr" else hurt.index(b"IDAT") + 30
     hurt[at:at + 8] = bytes(255 - byte for byte in hurt[at:at + 8])
     middle.write_bytes(hurt)
     empty.write_bytes(b"")

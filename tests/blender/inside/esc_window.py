@@ -27,7 +27,7 @@ def build():
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 100000
     scene.cycles.use_adaptive_sampling, scene.encre.samples = False, 0
     scene.render.image_settings.file_format = "PNG"
-    scene.encre.line_thickness, scene.encre.ink_early = 40, False
+    scene.encre.line_thickness, scene.encre.ink_early, scene.encre.hatch_amount = 40, False, 0.7
     scene.encre.light_source = "DRAWN"
     keys.point(300, 300)
 

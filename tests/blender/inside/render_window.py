@@ -24,7 +24,7 @@ def build():
     scene = bpy.context.scene
     scene.render.engine = "ENCRE"
     scene.render.resolution_x, scene.render.resolution_y, scene.cycles.samples = 160, 90, 1
-    scene.encre.samples = 0
+    scene.encre.samples, scene.encre.hatch_amount = 0, 0.7  # pencil that is dark enough to be counted
     scene.render.image_settings.file_format = "PNG"
     scene.encre.auto_redraw = False  # F12 does nothing while a redraw runs
 

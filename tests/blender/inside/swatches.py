@@ -539,7 +539,7 @@ def metals(out):
     fact("failed", shoot(out, "metals"))
 
 
-def added(out):
+def added_shaders(out):
     """What is not there and adds its light, as light on cloth or on its own, before a black wall."""
     scene = empty()
 
@@ -553,7 +553,7 @@ def added(out):
     look()
     cube("Wall", (0, 0, -21), 40, material("Black", (0, 0, 0)))
     scene.encre.layer_source, scene.encre.save_layers = "ENCRE", "ON"
-    fact("failed", shoot(out, "added"))
+    fact("failed", shoot(out, "added_shaders"))
 
 
 # Pictures
