@@ -131,3 +131,13 @@ def test_only_one_module_asks_for_blenders_version():
     know = {path.name for path in ADDON.rglob("*.py") if "bpy.app.version" in path.read_text(encoding="utf-8")
             and "bpy.app.version_string" not in path.read_text(encoding="utf-8")}
     assert know == {"versions.py"}
+
+
+def test_no_two_cases_of_blender_have_one_name():
+    """Of two the later one would be run in the place of the other."""
+    inside, names = ROOT / "tests" / "blender" / "inside", []
+    (topics,) = re.findall(r"for topic in \(([^)]*)\)", (inside / "cases.py").read_text(encoding="utf-8"))
+    for topic in re.findall(r"\w+", topics):
+        tree = ast.parse((inside / f"{topic}.py").read_text(encoding="utf-8"))
+        names += [each.name for each in tree.body if isinstance(each, ast.FunctionDef)]
+    assert sorted({name for name in names if names.count(name) > 1 and name[0] != "_"}) == []
