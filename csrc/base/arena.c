@@ -119,6 +119,17 @@ void *late_take(late **all, size_t count, size_t size)
 	return place;
 }
 
+void *with_room(void *array, size_t size, int64_t n, int64_t *room)
+{
+	if (n < *room)
+		return array;
+	int64_t more = n < INT32_MAX / 2 ? 2 * n + 256 : INT32_MAX;
+	void *moved = n < more && (uint64_t)more < SIZE_MAX / size ? realloc(array, (size_t)more * size) : NULL;
+	if (moved)
+		*room = more;
+	return moved;
+}
+
 void late_drop(late **all, const void *taken)
 {
 	while (taken && *all && place_in(*all) != taken)

@@ -4,6 +4,7 @@
 #define ENCRE_ARENA_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 /* Planning runs twice with the same calls: first with base NULL, to measure, then with memory. */
 typedef struct arena {
@@ -39,6 +40,9 @@ struct late {
 
 /* NULL without memory; aligned to 64 bytes, not cleared. */
 void *late_take(late **all, size_t count, size_t size);
+/* An array from malloc() of n items of `size` bytes with room for one more: itself, or twice as large in its place.
+ * NULL without memory, or at INT32_MAX items: it is as it was. */
+void *with_room(void *array, size_t size, int64_t n, int64_t *room);
 /* Gives back what late_take() gave, if anything. */
 void late_drop(late **all, const void *taken);
 void late_free(late *all);

@@ -261,7 +261,7 @@ static bool add_strip(shape *s, const strip *found, int64_t *room)
 			s->strips[e->strip] = *found;
 		return true;
 	}
-	strip *all = chains_grow(s->strips, sizeof *all, s->n_strips, room);
+	strip *all = with_room(s->strips, sizeof *all, s->n_strips, room);
 	if (!all)
 		return false;
 	s->strips = all;

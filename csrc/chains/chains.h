@@ -339,9 +339,6 @@ int32_t runs_write(chains *c);
  * instructions. *kept: NULL at first. */
 int32_t chains_run(bands *pool, encre_chain_job *job, bool best, kept_shapes **kept, char *error, size_t size);
 void chains_free(kept_shapes **kept);
-/* An array of n items of `size` bytes with room for one more: itself, or twice as large in its place. NULL without
- * memory: it is as it was. */
-void *chains_grow(void *array, size_t size, int64_t n, int64_t *room);
 
 /* ---- eye.c ------------------------------------------------------------------------------------------------- */
 

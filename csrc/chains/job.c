@@ -23,17 +23,6 @@ void chains_free(kept_shapes **kept)
 	*kept = NULL;
 }
 
-void *chains_grow(void *array, size_t size, int64_t n, int64_t *room)
-{
-	if (n < *room)
-		return array;
-	int64_t more = n ? 2 * n : 256;
-	void *grown = (uint64_t)more < SIZE_MAX / size ? realloc(array, (size_t)more * size) : NULL;
-	if (grown)
-		*room = more;
-	return grown;
-}
-
 static void aim(chains *c)
 {
 	const encre_chain_job *job = c->job;

@@ -124,7 +124,7 @@ static bool faces_meet(const chains *c, double p[2][3][3], meet *m)
 
 static bool add_meet(kept_shapes *kept, const meet *m)
 {
-	meet *meets = chains_grow(kept->meets, sizeof *meets, kept->n_meets, &kept->room_meets);
+	meet *meets = with_room(kept->meets, sizeof *meets, kept->n_meets, &kept->room_meets);
 	if (!meets)
 		return false;
 	kept->meets = meets;
@@ -266,7 +266,7 @@ typedef struct former {
 
 static bool add_pair(kept_shapes *kept, int i, int k, int64_t first)
 {
-	meet_pair *pairs = chains_grow(kept->pairs, sizeof *pairs, kept->n_pairs, &kept->room_pairs);
+	meet_pair *pairs = with_room(kept->pairs, sizeof *pairs, kept->n_pairs, &kept->room_pairs);
 	if (!pairs)
 		return false;
 	kept->pairs = pairs;

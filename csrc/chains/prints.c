@@ -34,7 +34,7 @@ static int inside_of(const chains *c, const body *b)
 
 static bool add_line(printed *to, const line *l)
 {
-	line *lines = chains_grow(to->line, sizeof *lines, to->n, &to->room);
+	line *lines = with_room(to->line, sizeof *lines, to->n, &to->room);
 	if (!lines)
 		return false;
 	to->line = lines;

@@ -33,7 +33,7 @@ static const seen_piece *pieces_of(const chains *c, const line *l, bool hidden, 
 static encre_chain_point *add_point(walk *w)
 {
 	kept_shapes *k = w->out;
-	encre_chain_point *points = chains_grow(k->points, sizeof *points, k->n_points, &k->room_points);
+	encre_chain_point *points = with_room(k->points, sizeof *points, k->n_points, &k->room_points);
 	if (!points) {
 		w->failed = true;
 		return NULL;

@@ -95,14 +95,6 @@ typedef struct cutting {
 	int64_t room, room_points;
 } cutting;
 
-static void *grown(void *array, size_t size, int64_t n, int64_t *room)
-{
-	if (n < *room)
-		return array;
-	*room = 2 * n + 256;
-	return *room < INT32_MAX ? realloc(array, (size_t)*room * size) : NULL;
-}
-
 /* The point at a share of the line's way; -1 without memory. */
 static int32_t point_at(cutting *c, float t, uint8_t *shift)
 {
@@ -110,7 +102,7 @@ static int32_t point_at(cutting *c, float t, uint8_t *shift)
 		*shift = c->from->shift[t >= 1];
 		return c->from->point[t >= 1];
 	}
-	float (*more)[2] = grown(c->l->point, sizeof *more, c->l->n_points, &c->room_points);
+	float (*more)[2] = with_room(c->l->point, sizeof *more, c->l->n_points, &c->room_points);
 	if (!more)
 		return -1;
 	c->l->point = more;
@@ -128,7 +120,7 @@ static int32_t point_at(cutting *c, float t, uint8_t *shift)
 
 static bool add_piece(cutting *c, float from, float to)
 {
-	texel_line *more = grown(c->line, sizeof *more, c->n, &c->room), made = *c->from;
+	texel_line *more = with_room(c->line, sizeof *more, c->n, &c->room), made = *c->from;
 	if (!more)
 		return false;
 	c->line = more;

@@ -93,15 +93,11 @@ static bool bridge(crossings *c, int32_t x, int32_t y)
 	}
 	if (best < 0)
 		return true;
-	if (c->count == c->room) {
-		int64_t room = 2 * c->room;
-		crossing *more = room < INT32_MAX ? realloc(c->at, (size_t)room * sizeof *more) : NULL;
-		if (!more)
-			return false;
-		c->at = more;
-		c->room = room;
-		from = c->at + side_at(c, x, y, own, &shift);
-	}
+	crossing *more = with_room(c->at, sizeof *more, c->count, &c->room);
+	if (!more)
+		return false;
+	c->at = more;
+	from = c->at + side_at(c, x, y, own, &shift);
 	int32_t u = x + (best == SIDE_RIGHT), v = y + (best == SIDE_UP);
 	bool level = best < SIDE_LEFT; /* between two texels side by side */
 	crossing made = {
@@ -124,16 +120,12 @@ static bool bridge(crossings *c, int32_t x, int32_t y)
 
 static int32_t add_point(net *n, float x, float y)
 {
-	if (n->n_points == n->room_points) {
-		int32_t room = n->room_points < INT32_MAX / 2 ? 2 * n->room_points + 256 : 0;
-		float (*more)[2] = room ? realloc(n->point, (size_t)room * sizeof *more) : NULL;
-		if (!more) {
-			n->failed = true;
-			return 0;
-		}
-		n->point = more;
-		n->room_points = room;
+	float (*more)[2] = with_room(n->point, sizeof *more, n->n_points, &n->room_points);
+	if (!more) {
+		n->failed = true;
+		return 0;
 	}
+	n->point = more;
 	n->point[n->n_points][0] = x;
 	n->point[n->n_points][1] = y;
 	return n->n_points++;
@@ -141,16 +133,12 @@ static int32_t add_point(net *n, float x, float y)
 
 static void add_part(net *n, int32_t a, uint8_t a_shift, int32_t b, uint8_t b_shift, const int32_t color[2])
 {
-	if (n->n_parts == n->room_parts) {
-		int64_t room = 2 * n->room_parts + 256;
-		curve_part *more = room < INT32_MAX ? realloc(n->part, (size_t)room * sizeof *more) : NULL;
-		if (!more) {
-			n->failed = true;
-			return;
-		}
-		n->part = more;
-		n->room_parts = room;
+	curve_part *more = with_room(n->part, sizeof *more, n->n_parts, &n->room_parts);
+	if (!more) {
+		n->failed = true;
+		return;
 	}
+	n->part = more;
 	n->part[n->n_parts++] = (curve_part){{a, b}, {a_shift, b_shift}, {color[0], color[1]}};
 }
 
@@ -212,7 +200,8 @@ bool net_join(net *n, crossings *c)
 	n->point = malloc(((size_t)c->count + 1) * sizeof *n->point);
 	if (!n->point)
 		return false;
-	n->n_points = n->room_points = (int32_t)c->count;
+	n->room_points = c->count;
+	n->n_points = (int32_t)c->count;
 	for (int64_t i = 0; i < c->count; i++) {
 		n->point[i][0] = c->at[i].x;
 		n->point[i][1] = c->at[i].y;

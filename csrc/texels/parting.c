@@ -228,14 +228,10 @@ static int32_t packed(const float *encoded)
 
 static bool add(crossings *c, int32_t x, int32_t y, int axis, float place, const float *one, const float *other)
 {
-	if (c->count == c->room) {
-		int64_t room = c->room ? 2 * c->room : 1024;
-		crossing *more = room < INT32_MAX ? realloc(c->at, (size_t)room * sizeof *more) : NULL;
-		if (!more)
-			return false;
-		c->at = more;
-		c->room = room;
-	}
+	crossing *more = with_room(c->at, sizeof *more, c->count, &c->room);
+	if (!more)
+		return false;
+	c->at = more;
 	(axis ? c->up : c->right)[(size_t)y * (size_t)c->width + (size_t)x] = (int32_t)c->count;
 	c->at[c->count++] = (crossing){.x = (float)x + 0.5f + (axis ? 0 : place),
 				       .y = (float)y + 0.5f + (axis ? place : 0),

@@ -82,9 +82,9 @@ typedef struct curve_part {
 typedef struct net {
 	const crossings *c;
 	float (*point)[2];
-	int32_t n_points, room_points;
+	int32_t n_points;
 	curve_part *part;
-	int64_t n_parts, room_parts;
+	int64_t n_parts, room_parts, room_points;
 	int32_t (*of)[4]; /* by point: its parts; -1 */
 	bool failed;
 } net;

@@ -264,13 +264,10 @@ static void mean_colors(const curve *u, int32_t from, int32_t to, int32_t color[
 
 static bool add_line(texel_level *l, int64_t *room, const texel_line *line)
 {
-	if (l->n_lines == *room) {
-		*room = 2 * *room + 256;
-		texel_line *more = *room < INT32_MAX ? realloc(l->line, (size_t)*room * sizeof *more) : NULL;
-		if (!more)
-			return false;
-		l->line = more;
-	}
+	texel_line *more = with_room(l->line, sizeof *more, l->n_lines, room);
+	if (!more)
+		return false;
+	l->line = more;
 	l->line[l->n_lines++] = *line;
 	return true;
 }
