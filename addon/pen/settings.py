@@ -24,6 +24,7 @@ from .params import (
 
 _MOST_OF_HEIGHT = 0.03  # looked at: up to a fiftieth things keep their forms, at a twenty-fifth they are blots
 _STROKE = 4.5  # pitches from a stroke's place to its end, at most
+_PLANE = 6  # steps to each side of a stroke's place: is the surface there a plane? (csrc/tones/ways.c: plane_at)
 _WIDEST = 40  # px that strokes lie apart at most whose distance grows with the thing
 _POOL = 22  # units of length that the darker border of a wash reaches into it
 _WINDOW = 24  # px about an edge at which its detector looks, whatever the settings are; no fewer pixels
@@ -248,7 +249,9 @@ class Settings:
         screens = [inch / pitch if counted else pitch * scale for values in self.every
                    for pitch in screens_pitches(values)]
         most = most * scale + scene["tone_least"] * max(screens, default=0)
-        far = max(most, *(_STROKE * max(pitch, 3) for pitch in strokes), 0)
+        along = any(values["tone_strokes"] == "LIGHT" for values in self.every)
+        aside = _PLANE * max(8 * scale + 0.5, 2) if along else 0
+        far = max(most, *(_STROKE * max(pitch, 3) + aside for pitch in strokes), 0)
         return int(np.ceil(far) + np.ceil(_WINDOW * max(1, scale))) if self.active else 0
 
     @cached_property

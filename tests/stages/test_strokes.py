@@ -150,6 +150,32 @@ def test_strokes_lie_alike_in_every_band_and_part():
     assert ring < 60 and np.array_equal(part[ring:, ring:-ring], whole[20 + ring:, 10 + ring:150 - ring])
 
 
+def test_a_part_has_strokes_along_planes_as_the_whole():
+    """Between two slight bends: whether the surface is a plane is asked farther off than a stroke is long."""
+    height, width, bend = 120, 420, 120
+    rows, columns = (a[..., None] for a in np.mgrid[:height, :width])
+    one, flat_ = np.ones((height, width, 1)), np.array([0.3, 0.5, 0.81])
+    normal = np.where(columns < bend, flat_ + (0.03, 0, 0), np.where(columns < bend + 80, flat_, (0.36, 0.5, 0.79)))
+    right, down = np.array([1, 0, -flat_[0] / flat_[2]]), np.array([0, -1, flat_[1] / flat_[2]])
+    anchor = np.concatenate([(columns * right + rows * down) * one, normal * one, one, right * one, down * one,
+                             np.zeros(3) * one], 2)
+    layers = wall(width, height) | dict(normal=normal * one, anchor=anchor, diffuse=np.ones((height, width, 3)))
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    scene = dict(ALONE, shade_levels=[(0.7,)], tone_strokes="LIGHT", tone_light_direction=-120.0,
+                 tone_light_height=30.0, **sticks.tone("HATCH", space="SURFACE", pitch=4.0, angle=0.0))
+    reach = Settings(scene).reach(height)
+
+    def drawn(left):
+        part = {name: np.ascontiguousarray(a[:, left:]) for name, a in layers.items()}
+        return library.render(part, scene, frame=Frame(width, height, left, 0),
+                              outputs=["Encre Tones"]).images["Encre Tones"]
+
+    whole = drawn(0)
+    for first in range(bend + 5, bend + 100, 4):
+        left = max(0, first - reach)
+        np.testing.assert_array_equal(drawn(left)[:, first - left:], whole[:, first:], err_msg=str(first))
+
+
 @pytest.mark.parametrize("kind", ["HATCH", "STIPPLE"])
 def test_values_that_are_none_leave_strokes_as_clean_ones_do(kind):
     """Strokes are told with the reading that finds such values, and then once more."""
