@@ -27,6 +27,7 @@ _THINGS = 1000  # so many tell what most have
 _WEAK = 0.2  # of the strongest lamp at a thing: whether weaker ones reach it makes no difference, but for a sun
 _SHADE = 0.35  # what shade counts as: ENCRE_SHADE
 _PALE, _DIM = 0.38, 0.3  # of full light: what shade has at most, and at least under a sky, before it counts as that
+_OPEN, _DEEP = 0.6, 0.1  # of open shade under a sky what counts as shade, where it is below _DIM by _DEEP of F
 _SURE = 0.2    # of full light: over which shade has more before full light is what surfaces have most of
 _BRIGHT = 0.97 # what counts as by then
 _FLAT = 1.5    # times shade, what is brightest at least, or light that is even would be cut by its last hundredths
@@ -71,8 +72,9 @@ def _with_shade(full, told, ambient, things, drawn):
     if shade > _PALE * full:
         sure = min(1.0, (shade / full - _PALE) / _SURE)
         return full + sure * (max(most / _BRIGHT, 1e-3 * full + shade) - full), shade * _SHADE / _PALE
-    if got.sky and 0 < shade < _DIM * full:
-        return full, shade * _SHADE / _DIM
+    if got.sky and 0 < got.open < _DIM * full:
+        far = min(1.0, (_DIM - got.open / full) / _DEEP)
+        return full, got.open * (_SHADE / _DIM + far * (_OPEN - _SHADE / _DIM))
     return full, 0.0
 
 

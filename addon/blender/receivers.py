@@ -32,10 +32,12 @@ class Spots:
 @dataclass
 class Found:
     """Diffuse light: `shade`, what a tenth of the surfaces have less than, or half of them where their strongest lamp
-    does not come, if that is less; `full`, what all but a fiftieth have less than; sky: whether the strongest lamp of
-    most is a sun of the world's."""
+    does not come, if that is less; `open`, what half of them have where it does not come: shade that lies open, where
+    `shade` may be what no side but those that nobody sees has; `full`, what all but a fiftieth have less than; sky:
+    whether the strongest lamp of most is a sun of the world's."""
 
     shade: float
+    open: float
     full: float
     sky: bool
 
@@ -143,7 +145,7 @@ class Surfaces:
         whole = np.max(lit, 1)
         dark, half = _share(whole, self.weights, 0.1), _share(np.max(lit - strongest, 1), self.weights, 0.5)
         total = max(float(self.weights @ (most > 0)), 1e-300)
-        return Found(min(dark, half), _share(whole, self.weights, 0.98), bool(self.weights @ sky > 0.5 * total))
+        return Found(min(dark, half), half, _share(whole, self.weights, 0.98), bool(self.weights @ sky > 0.5 * total))
 
     def _toward(self, lamp):
         """(cosines at which a lamp's light falls (n,), ways to it (n, 3))."""

@@ -20,6 +20,9 @@ def test_what_surfaces_receive_tells_shade(render):
     assert facts["usual"] == [pytest.approx(0.15 + 1 / np.pi), 0], "the usual light is cut as it was"
     light, shade = facts["sky"]
     assert 0 < shade < 0.1 * light, "under a sky shade is seen as shade"
+    light, shade = facts["low"]
+    floor = 0.35 + 0.65 * (facts["below"] - shade) / (light - shade)
+    assert 0.36 < floor < 0.42, "a floor that the sky alone lights is in the dark levels of Cel and Hatched"
 
 
 @pytest.mark.slow

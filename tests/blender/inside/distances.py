@@ -160,6 +160,14 @@ def metered(_out):
     sky.sun_elevation = 1.0
     tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs[0])
     fact("sky", read())
+    sky.sun_elevation, sky.air_density = 0.5, 4.0
+    fact("low", read())
+    from encre.blender import skies
+    from encre.pen import irradiance
+
+    # What a floor in the shade has of the sky, by the brightest channel.
+    up = irradiance.polynomials(np.array([(0.0, 0, 1)])) @ skies.light(scene.world).ambient
+    fact("below", float(np.max(up)))
 
 
 def night(scene, lamp, cube, reached):
