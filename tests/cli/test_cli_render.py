@@ -83,7 +83,8 @@ def test_slim_files_give_every_scene_again(tmp_path, scene):
     works(encre("composite", tmp_path / "slim.exr", "-o", tmp_path / "again.exr"))
     # not with the whole file's: of two renders Cycles' last digits differ, by which lines between colours come and go
     a, b = (exr.part(tmp_path / f"{name}.exr", "ViewLayer.Combined") for name in ("slim", "again"))
-    assert (np.abs(a - b).max(2) <= 1 / 255).mean() >= 0.9995
+    apart = np.abs(a - b).max(2)  # half of light's digits are kept: one in 2,000 is up to 1.3 steps off
+    assert (apart <= 1 / 255).mean() >= 0.999, (apart > 1 / 255).mean()
     share = (tmp_path / "slim.exr").stat().st_size / (tmp_path / "whole.exr").stat().st_size
     # wood's grain, whose colours keep all digits; edges of meshes are a tenth of what a file of little else holds
     assert share < {"living_room": 0.41, "turn": 0.37}.get(scene.stem, 0.36), share
