@@ -75,11 +75,12 @@ KERNEL void shaded_row(const encre_params *p, float other_light, int n, const fl
 /* How strong each part of what is not diffuse light is, and the colour of highlights that are shapes. */
 typedef struct parts {
 	float background, highlights, reflections, glow;
-	float shape, threshold, inverse, color[3], tones;
+	float shape, threshold, inverse, light, color[3], tones;
 	bool bare;
 } parts;
 
-/* The brightness over which a highlight's shape ends, as a share of full light. */
+/* The brightness over which a highlight's shape ends, as a share of full light: of the light that falls there, where
+ * that is more, or a lamp close by would make highlights of what is rough. */
 static const float highlight_edge = 0.05f;
 
 static parts parts_of(const frame *f, const encre_params *p)
@@ -95,6 +96,7 @@ static parts parts_of(const frame *f, const encre_params *p)
 		.shape = p->highlight_shape,
 		.threshold = min(p->highlight_threshold * light, FLT_MAX),
 		.inverse = 1 / (highlight_edge * light),
+		.light = light,
 		.tones = (float)p->reflection_tones,
 		.color = {p->highlight_color[0], p->highlight_color[1], p->highlight_color[2]},
 	};
@@ -133,7 +135,8 @@ static void weigh_row(const frame *f, const parts *k, int n, const float *restri
 		const float *h = highlights ? highlights + 3 * i : NULL, *own = gloss ? gloss + 3 * i : NULL;
 		float metal = own ? metal_share(own) : 0, full = own ? max3(own[0], own[1], own[2]) : 0;
 		bool nothing = !(depth_of(depth[i]) < INFINITY);
-		float bright = h ? max3(h[0], h[1], h[2]) * glint(f, normal + 3 * i) : 0, share = 0;
+		float lit = max3(diffuse[3 * i], diffuse[3 * i + 1], diffuse[3 * i + 2]) / k->light;
+		float bright = h ? max3(h[0], h[1], h[2]) * glint(f, normal + 3 * i) / max(lit, 1) : 0, share = 0;
 		if (k->inverse > 0)
 			share = clamp01((bright - k->threshold) * k->inverse + 0.5f);
 		else

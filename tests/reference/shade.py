@@ -106,6 +106,7 @@ def weighted(layers, params):
     bright = value(lamps)
     light = max(layers.meter[0], 1)
     bright = bright * clamp01(2 * layers.normal @ layers.view[2]) ** 2
+    bright = bright / np.maximum(value(layers.diffuse) / light, 1)
     share = clamp01((bright / light - threshold) / 0.05 + 0.5)
     given = layers.gives_highlights * shape[..., None]
     metal, full = clamp01(8 * (value(layers.gloss) - 0.06)), value(layers.gloss)

@@ -117,15 +117,16 @@ def test_full_light_is_that_of_the_strongest_lamp():
         draw(layers, SIMPLE, camera=Camera(light=-1.0))
 
 
-def test_a_highlight_is_a_share_of_full_light_and_none_at_a_grazing_angle():
+def test_a_highlight_is_a_share_of_the_light_and_none_at_a_grazing_angle():
     scene = dict(ONLY_SHADING, highlight_shape=1.0, shade_meter="LAMPS")
     assert_agrees(random_layers(40, 64), scene, STYLES, camera=Camera(light=2.5), tolerance=1e-4)
     layers = random_layers(1, 4)
     layers["controls"][:], layers["style"][:], layers["highlights"][:] = 0, 0, 0.6
-    layers["specular"][:], layers["color"][:], layers["diffuse"][:] = 0.6, 0, 0
+    layers["specular"][:], layers["color"][:] = 0.6, 0
     layers["combined"][..., :3], layers["combined"][..., 3] = 0.6, 1
-    for light, facing, shown in ((0.2, 1, 1), (1.0, 1, 1), (4.0, 1, 0), (1.0, 0.6, 1), (1.0, 0.3, 0)):
-        layers["normal"][:] = np.sqrt(1 - facing**2), 0, facing
+    for light, lit, facing, shown in ((0.2, 0, 1, 1), (1, 0, 1, 1), (4, 0, 1, 0), (1, 0, 0.6, 1), (1, 0, 0.3, 0),
+                                      (1, 1.5, 1, 1), (1, 4, 1, 0)):
+        layers["diffuse"][:], layers["normal"][:] = lit, (np.sqrt(1 - facing**2), 0, facing)
         drawn = draw(layers, scene, camera=Camera(light=light))["Combined"][..., :3]
         np.testing.assert_allclose(drawn, shown, atol=1e-5)
 
