@@ -169,32 +169,6 @@ static capsule capsule_of(const fine *n, const capsules *all, uint32_t a, uint32
 	return c;
 }
 
-/* Pixels first..end - 1 of row y that the capsule may darken. */
-static void span_of(const capsule *c, int y, int width, int *first, int *end)
-{
-	float ahead = (float)y - c->a->y, low = min(0, c->dx) - c->reach, high = max(0, c->dx) + c->reach;
-	if (fabsf(c->dy) > 1e-6f) { /* between the tangents */
-		float middle = ahead * c->dx / c->dy,
-		      half = c->reach * sqrtf(c->dx * c->dx + c->dy * c->dy) / fabsf(c->dy);
-		low = max(low, middle - half);
-		high = min(high, middle + half);
-	}
-	low += c->a->x;
-	high += c->a->x;
-	for (int i = 0; i < c->cuts; i++) {
-		const cut *k = c->cut + i;
-		float rest = k->from - k->way_y * (float)y;
-		if (k->way_x > 1e-3f)
-			low = max(low, rest / k->way_x);
-		else if (k->way_x < -1e-3f)
-			high = min(high, rest / k->way_x);
-		else if (rest > 0.1f)
-			high = low - 1;
-	}
-	*first = low > 0 ? low < (float)width ? (int)low : width : 0; /* one more than needed to the left */
-	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
-}
-
 /* What leaves some of a line white. */
 enum brush { SOLID, BRISTLY, STRIPED };
 
@@ -211,60 +185,51 @@ static inline void pick(picked *p, int y, int x, const int32_t *restrict wins, c
 }
 
 /* Called with constants each time. Where `owned` is true, who inked is remembered: among equals the nearest; only then
- * distance and owner are read. Where `papered` is false paper is as high as can be. p: of STRIPED alone. */
+ * distance and owner are read. Where `sided` is true, the way to it is. p: of STRIPED alone. */
 KERNEL void ink_span(const capsule *restrict e, const canvas *c, int y, int x, int end, const bool owned,
-		     const bool papered, const enum brush brush, picked *restrict p)
+		     const bool sided, const bool papered, const enum brush brush, picked *restrict p)
 {
-	const pen_end *a = e->a, *b = e->b;
 	size_t at = (size_t)(y - c->y0) * c->stride;
-	float *restrict dark = c->dark + at, *restrict distance = owned ? c->distance + at : NULL;
+	float *restrict dark = c->dark + at, *restrict distance = owned ? c->distance + at : NULL,
+			*restrict way_x = sided ? c->way_x + at : NULL, *restrict way_y = sided ? c->way_y + at : NULL;
 	const float *restrict depth = c->depth + at, *restrict grain = c->grain + at;
 	uint32_t *restrict owner = owned ? c->owner + at : NULL;
-	float dx = e->dx, dy = e->dy, py = (float)y - a->y, ux = dx * e->inverse, uy = py * dy * e->inverse,
-	      from = a->x;
-	float out = a->out, fade = a->fade, gain = a->gain, ease = a->ease, bias = a->bias, paper = a->paper,
-	      limit = a->limit;
-	float more_out = b->out - out, more_fade = b->fade - fade, more_gain = b->gain - gain,
-	      more_ease = b->ease - ease;
-	float more_bias = b->bias - bias, more_paper = b->paper - paper, more_limit = b->limit - limit;
+	const shading l = shading_of(e, y);
 	uint32_t one = e->one, two = e->two;
 	for (; x < end; x += LANES) {
 		float might[LANES];
 		int32_t may[LANES], any = 0;
 		for (int k = 0; k < LANES; k++) {
-			float px = (float)(x + k) - from, s = px * ux + uy, before = dark[x + k];
-			s = clamp01(s);
-			float ex = px - s * dx, ey = py - s * dy, d2 = ex * ex + ey * ey;
-			float h = papered ? 1 + (paper + s * more_paper) * grain[x + k] : 1, low = bias + s * more_bias;
-			float rise = positive(h - low), most = (gain + s * more_gain) * rise,
-			      ramp = ease + s * more_ease;
-			ramp = ramp < rise ? ramp : rise; /* of coverage times height, from nothing to the darkest */
-			most = most_one(most);
-			float soft = fade + s * more_fade;
-			soft = papered ? soft / h : soft;
-			float middle = out + s * more_out - soft * (low + 0.5f * ramp), width = soft * ramp;
-			width = max(width, pixel_one);
-			float faint = positive(most_one(2 * middle)), half = max(middle, pixel_half);
-			float t = 0.5f + (half - sqrtf(d2)) / width;
-			t = faint * most * most_one(t);
+			const shade h = shade_at(&l, x + k, grain + x + k, papered);
+			float t = h.t, before = dark[x + k];
 			if (brush == BRISTLY)
-				t *= left_by(&e->across, across_at(&e->across, px, py, out + s * more_out), s);
-			t = depth[x + k] >= limit + s * more_limit ? t : 0;
+				t *= left_by(&e->across, across_at(&e->across, h.px, l.py, l.out + h.s * l.more_out),
+					     h.s);
+			t = depth[x + k] >= l.limit + h.s * l.more_limit ? t : 0;
 			if (brush == STRIPED) {
 				might[k] = t;
 				may[k] = owned ? (t > 0) & (t >= before) : t > before;
 				any |= may[k];
 				continue;
 			}
-			if (!owned) {
+			if (!owned && !sided) {
 				dark[x + k] = t > before ? t : before;
 				continue;
 			}
-			float rival = t == before ? distance[x + k] : -1; /* squared distance that an equal must beat */
-			int wins = t > before || (t > 0 && d2 < rival);
+			/* squared distance that an equal must beat */
+			float nearest = owned ? distance[x + k]
+					      : way_x[x + k] * way_x[x + k] + way_y[x + k] * way_y[x + k],
+			      rival = t == before ? nearest : -1;
+			int wins = t > before || (t > 0 && h.square < rival);
 			dark[x + k] = wins ? t : before;
-			distance[x + k] = wins ? d2 : distance[x + k];
-			owner[x + k] = wins ? (s > 0.5f ? two : one) : owner[x + k];
+			if (owned) {
+				distance[x + k] = wins ? h.square : distance[x + k];
+				owner[x + k] = wins ? (h.s > 0.5f ? two : one) : owner[x + k];
+			}
+			if (sided) {
+				way_x[x + k] = wins ? h.ex : way_x[x + k];
+				way_y[x + k] = wins ? h.ey : way_y[x + k];
+			}
 		}
 		if (brush == STRIPED && any)
 			pick(p, y, x, may, might);
@@ -276,7 +241,7 @@ KERNEL void ink_span(const capsule *restrict e, const canvas *c, int y, int x, i
 static void draw_capsule(const capsule *e, canvas *c)
 {
 	float top = min(e->a->y, e->b->y) - e->reach, bottom = max(e->a->y, e->b->y) + e->reach;
-	bool papered = e->a->paper > 0 || e->b->paper > 0, owned = c->owner;
+	bool papered = e->a->paper > 0 || e->b->paper > 0, owned = c->owner, sided = c->more;
 	int from = top > (float)c->y0 ? (int)top : c->y0, to = bottom < (float)(c->y1 - 1) ? (int)bottom : c->y1 - 1;
 	picked p;
 	p.n = 0;
@@ -287,21 +252,29 @@ static void draw_capsule(const capsule *e, canvas *c)
 			continue;
 		canvas_touch(c, y, x, end);
 		if (e->strip.of && owned)
-			ink_span(e, c, y, x, end, true, true, STRIPED, &p);
+			ink_span(e, c, y, x, end, true, false, true, STRIPED, &p);
 		else if (e->strip.of)
-			ink_span(e, c, y, x, end, false, true, STRIPED, &p);
+			ink_span(e, c, y, x, end, false, false, true, STRIPED, &p);
 		else if (e->dry[0] && owned)
-			ink_span(e, c, y, x, end, true, true, BRISTLY, NULL);
+			ink_span(e, c, y, x, end, true, false, true, BRISTLY, NULL);
 		else if (e->dry[0])
-			ink_span(e, c, y, x, end, false, true, BRISTLY, NULL);
+			ink_span(e, c, y, x, end, false, false, true, BRISTLY, NULL);
+		else if (owned && sided && papered)
+			ink_span(e, c, y, x, end, true, true, true, SOLID, NULL);
+		else if (owned && sided)
+			ink_span(e, c, y, x, end, true, true, false, SOLID, NULL);
+		else if (sided && papered)
+			ink_span(e, c, y, x, end, false, true, true, SOLID, NULL);
+		else if (sided)
+			ink_span(e, c, y, x, end, false, true, false, SOLID, NULL);
 		else if (owned && papered)
-			ink_span(e, c, y, x, end, true, true, SOLID, NULL);
+			ink_span(e, c, y, x, end, true, false, true, SOLID, NULL);
 		else if (owned)
-			ink_span(e, c, y, x, end, true, false, SOLID, NULL);
+			ink_span(e, c, y, x, end, true, false, false, SOLID, NULL);
 		else if (papered)
-			ink_span(e, c, y, x, end, false, true, SOLID, NULL);
+			ink_span(e, c, y, x, end, false, false, true, SOLID, NULL);
 		else
-			ink_span(e, c, y, x, end, false, false, SOLID, NULL);
+			ink_span(e, c, y, x, end, false, false, false, SOLID, NULL);
 	}
 	ISA(picked_ink)(e, c, &p);
 }
@@ -353,6 +326,8 @@ void ISA(capsules_draw)(const capsules *all, canvas *c)
 {
 	const uint32_t *first = all->first + c->y0 / BAND;
 	uint32_t stroke = 0; /* lists are in their order */
+	if (all->dry || all->strip)
+		c->more = NULL;
 	for (uint32_t i = first[0]; i < first[1] && !bands_stopped(c->f->bands); i++) {
 		const uint32_t *ends = all->list[i];
 		if (c->laid && ends[0] / all->count != stroke) {
@@ -365,4 +340,11 @@ void ISA(capsules_draw)(const capsules *all, canvas *c)
 	}
 	if (c->laid)
 		take_laid(c);
+	for (uint32_t i = first[0]; c->more && i < first[1] && !bands_stopped(c->f->bands); i++) {
+		pen_end met;
+		capsule e = capsule_of(c->f->fine, all, all->list[i][0], all->list[i][1], &met);
+		ISA(capsule_add_across)(&e, c);
+	}
+	if (c->more)
+		ISA(add_across)(c);
 }

@@ -32,6 +32,90 @@ typedef struct capsule {
 	cut cut[2];
 } capsule;
 
+/* Pixels first..end - 1 of row y that the capsule may darken. */
+static inline void span_of(const capsule *c, int y, int width, int *first, int *end)
+{
+	float ahead = (float)y - c->a->y, low = min(0, c->dx) - c->reach, high = max(0, c->dx) + c->reach;
+	if (fabsf(c->dy) > 1e-6f) { /* between the tangents */
+		float middle = ahead * c->dx / c->dy,
+		      half = c->reach * sqrtf(c->dx * c->dx + c->dy * c->dy) / fabsf(c->dy);
+		low = max(low, middle - half);
+		high = min(high, middle + half);
+	}
+	low += c->a->x;
+	high += c->a->x;
+	for (int i = 0; i < c->cuts; i++) {
+		const cut *k = c->cut + i;
+		float rest = k->from - k->way_y * (float)y;
+		if (k->way_x > 1e-3f)
+			low = max(low, rest / k->way_x);
+		else if (k->way_x < -1e-3f)
+			high = min(high, rest / k->way_x);
+		else if (rest > 0.1f)
+			high = low - 1;
+	}
+	*first = low > 0 ? low < (float)width ? (int)low : width : 0; /* one more than needed to the left */
+	*end = high < 0 ? 0 : high < (float)(width - 1) ? (int)high + 1 : width;
+}
+
+/* What a link gives pixels of a row. */
+typedef struct shading {
+	float from, py, dx, dy, ux, uy;
+	float out, fade, gain, ease, bias, paper, limit;
+	float more_out, more_fade, more_gain, more_ease, more_bias, more_paper, more_limit;
+} shading;
+
+static inline shading shading_of(const capsule *e, int y)
+{
+	const pen_end *a = e->a, *b = e->b;
+	float py = (float)y - a->y;
+	return (shading){.from = a->x,
+			 .py = py,
+			 .dx = e->dx,
+			 .dy = e->dy,
+			 .ux = e->dx * e->inverse,
+			 .uy = py * e->dy * e->inverse,
+			 .out = a->out,
+			 .fade = a->fade,
+			 .gain = a->gain,
+			 .ease = a->ease,
+			 .bias = a->bias,
+			 .paper = a->paper,
+			 .limit = a->limit,
+			 .more_out = b->out - a->out,
+			 .more_fade = b->fade - a->fade,
+			 .more_gain = b->gain - a->gain,
+			 .more_ease = b->ease - a->ease,
+			 .more_bias = b->bias - a->bias,
+			 .more_paper = b->paper - a->paper,
+			 .more_limit = b->limit - a->limit};
+}
+
+/* A place beside a link: how dark it would be, and would be at most; how far along it lies, and the way to it. */
+typedef struct shade {
+	float t, most, width, s, px, ex, ey, square;
+} shade;
+
+/* Where `papered` is false paper is as high as can be. */
+KERNEL shade shade_at(const shading *l, int x, const float *grain, const bool papered)
+{
+	float px = (float)x - l->from, s = px * l->ux + l->uy;
+	s = clamp01(s);
+	float ex = px - s * l->dx, ey = l->py - s * l->dy, d2 = ex * ex + ey * ey;
+	float h = papered ? 1 + (l->paper + s * l->more_paper) * *grain : 1, low = l->bias + s * l->more_bias;
+	float rise = positive(h - low), most = (l->gain + s * l->more_gain) * rise, ramp = l->ease + s * l->more_ease;
+	ramp = ramp < rise ? ramp : rise; /* of coverage times height, from nothing to the darkest */
+	most = most_one(most);
+	float soft = l->fade + s * l->more_fade;
+	soft = papered ? soft / h : soft;
+	float middle = l->out + s * l->more_out - soft * (low + 0.5f * ramp), width = soft * ramp;
+	width = max(width, pixel_one);
+	float faint = positive(most_one(2 * middle)), half = max(middle, pixel_half);
+	float t = 0.5f + (half - sqrtf(d2)) / width;
+	t = faint * most * most_one(t);
+	return (shade){t, most, width, s, px, ex, ey, d2};
+}
+
 /* How far a place lies across the link, from one rim to the other. */
 static inline float across_at(const streaks *b, float px, float py, float half)
 {
@@ -60,5 +144,10 @@ typedef struct picked {
 
 /* striped.c: inks them, and leaves none. */
 void ISA(picked_ink)(const capsule *e, const canvas *c, picked *p);
+
+/* across.c: when all links are drawn, what each adds on the other side of pixels than what darkens them most; and that
+ * is added up. */
+void ISA(capsule_add_across)(const capsule *e, const canvas *c);
+void ISA(add_across)(const canvas *c);
 
 #endif

@@ -77,6 +77,9 @@ typedef struct canvas {
 	 * NULL where each line is drawn once. */
 	float *laid, *darkest;
 	uint32_t *darkest_owner;
+	/* The way from the line to each pixel that it darkens most, and what lines on the other side add to that; NULL
+	 * where a line is not even across. */
+	float *way_x, *way_y, *more;
 } canvas;
 
 void ISA(canvas_open)(canvas *c, int y, uint64_t blocks);

@@ -230,6 +230,11 @@ static canvas canvas_of(const lines *l, int y0, int y1, int thread)
 		c.darkest += offset;
 		c.darkest_owner = c.owner ? c.darkest_owner + offset : NULL;
 	}
+	if (c.more) {
+		c.way_x += offset;
+		c.way_y += offset;
+		c.more += offset;
+	}
 	return c;
 }
 
@@ -256,6 +261,8 @@ void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
 			memset(c->laid + at, 0, bytes);
 			memset(c->darkest + at, 0, bytes);
 		}
+		if (c->more)
+			memset(c->more + at, 0, bytes);
 		if (inside < size) {
 			memset(c->grain + at, 0, bytes);
 			memset(c->depth + at, 0, bytes);
@@ -340,7 +347,8 @@ static void plan(frame *f, arena *a)
 {
 	lines *l = arena_take(a, 1, sizeof *l), made = {.f = f};
 	if (f->any.use_lines) {
-		bool owned = inks_differ(f, made.color), layered = strokes_overlap(f);
+		bool owned = inks_differ(f, made.color), layered = strokes_overlap(f),
+		     sided = f->params->edge_detector == edge_detector_FINE && !layered;
 		int shift = 5;
 		while ((f->width + LANES) >> shift >= 64)
 			shift++;
@@ -358,6 +366,9 @@ static void plan(frame *f, arena *a)
 			.laid = layered ? arena_take(a, n, sizeof(float)) : NULL,
 			.darkest = layered ? arena_take(a, n, sizeof(float)) : NULL,
 			.darkest_owner = layered && owned ? arena_take(a, n, sizeof(uint32_t)) : NULL,
+			.way_x = sided ? arena_take(a, n, sizeof(float)) : NULL,
+			.way_y = sided ? arena_take(a, n, sizeof(float)) : NULL,
+			.more = sided ? arena_take(a, n, sizeof(float)) : NULL,
 		};
 		if (f->params->edge_detector == edge_detector_FINE)
 			; /* its memory is taken when its sites are counted */

@@ -5,6 +5,7 @@ import itertools
 
 import hands
 import kept
+import known
 import numpy as np
 import passes
 import pytest
@@ -516,3 +517,19 @@ def test_noise_runs_on_where_a_line_steps_from_row_to_row():
     noise = hand.solid(at, np.full(len(x), 1.2), hand.PRESSURE)
     wrong = ink[..., 3].sum(0) - 6 * np.clip(1 + 0.4 * noise, 0.12, 3)
     assert np.abs(wrong[20:-20]).max() < 0.6
+
+
+@pytest.mark.parametrize("width", [3.3, 3.6, 3.9])
+def test_a_gap_of_less_than_a_pixel_is_even(width):
+    """Between two lines along each other, however they lie to the pixels: as much of it is dark as they cover, and no
+    row of rungs."""
+    apart, at = 4.0, np.array([[-5, 20], [101, 43]], float)
+    way = np.diff(at, axis=0)[0] / np.linalg.norm(np.diff(at, axis=0))
+    ink = known.drawn(known.flat(), [known.line(at + k * apart * way[::-1] * (-1, 1), "mark", k) for k in range(2)],
+                      line_thickness=width, pen_1_steepness=0.5)
+    y, x = np.indices(np.multiply(ink.shape, 8)) / 8 - 7 / 16
+    across = (y - at[0, 1]) * way[0] - (x - at[0, 0]) * way[1]
+    covered = np.minimum(np.abs(across), np.abs(across - apart)) < width / 2
+    off = ink - covered.reshape(ink.shape[0], 8, -1, 8).mean((1, 3))
+    gap = (np.abs(across[4::8, 4::8] - apart / 2) < 1) & (np.abs(x[4::8, 4::8] - 48) < 40)
+    assert np.abs(off[gap]).max() < 0.12

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Judges one scene of `judge/kinds.py`, or of a file of one's own, in all promises, the pan too.
+"""Judges one scene of `judge/kinds.py`, `unseen.py` or `fresh.py`, or of one's own file, in all promises, the pan too.
 
     .venv/bin/python tests/helpers/promises.py louvres
     .venv/bin/python tests/helpers/promises.py own.py:shelf --still
@@ -15,14 +15,15 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
-from judge import kinds, verdict  # noqa: E402
+from judge import fresh, kinds, unseen, verdict  # noqa: E402
 from pages import drawer  # noqa: E402
 
 
 def maker(name):
     """The function that draws a scene."""
     file, _, function = name.rpartition(":")
-    return runpy.run_path(file)[function] if file else (kinds.ANALYTIC | kinds.MESHES)[name]
+    known = kinds.ANALYTIC | kinds.MESHES | unseen.ANALYTIC | unseen.MESHES | fresh.MESHES
+    return runpy.run_path(file)[function] if file else known[name]
 
 
 def promises(make, detector="FINE", shifts=False, only_still=False):

@@ -156,14 +156,33 @@ def _beyond(spurs, farther, at, columns, color, numbers, bristles, strips):
 
 
 def darkness(d, out, fade, gain, ease, bias, height):
-    """T at distance d. The pencil's darkness goes from 0 to `most` while coverage (out - d)/fade goes from bias/height
-    to (bias + ramp)/height. The ramp is drawn about its middle, at least a pixel wide; a line whose middle is less than
-    half a pixel away is drawn as wide as a pixel and as much fainter."""
+    """(T at distance d, the most there can be, pixels from white to that). The pencil's darkness goes from 0 to `most`
+    while coverage (out - d)/fade goes from bias/height to (bias + ramp)/height. The ramp is drawn about its middle, at
+    least a pixel wide; a line whose middle is less than half a pixel away is drawn as wide as a pixel and as much
+    fainter."""
     ramp = np.minimum(ease, np.maximum(0, height - bias))
     most = np.minimum(1, gain * np.maximum(0, height - bias))
     middle = out - fade * (bias + ramp / 2) / height
     width = np.maximum(fade * ramp / height, 1)
-    return clamp01(2 * middle) * most * clamp01(0.5 + (np.maximum(middle, 0.5) - d) / width)
+    return clamp01(2 * middle) * most * clamp01(0.5 + (np.maximum(middle, 0.5) - d) / width), most, width
+
+
+def _across(d, along, length, way):
+    """What a link adds on the other side of a place than what darkens it most, as a share: lines across from each
+    other, square to both ways, that lie not together. d: the way to the link; along: how much of it lies along that."""
+    own, its = np.hypot(*d), np.hypot(*way)
+    facing = -(d[0] * way[0] + d[1] * way[1]) / (np.maximum(own, 0.25) * np.maximum(its, 0.25))
+    aside = 1 - 4 * (along / max(length, 1e-12))**2 / (own**2 + 1e-12)
+    return clamp01(facing) * clamp01(aside) * clamp01(2 * (own + its) - 1.5)
+
+
+def _is_even(params):
+    """Whether no pen that may draw leaves some of a line white, nor draws it twice."""
+    for table in params.tables:
+        for pen in {table[f"line_{kind}_pen"].lower() for kind in KINDS} if table["use_lines"] else ():
+            if table[pen + "_strokes"] > 1 or table[pen + "_dry"] > 0 or table[pen + "_strip"] > 0:
+                return False
+    return True
 
 
 def draw(t, layers, params, paper, pictures=()):
@@ -175,7 +194,8 @@ def draw(t, layers, params, paper, pictures=()):
     pieces = [(i, j) for i in range(len(t)) for j in t.links[i] if j > i and not t.dropped[i] and not t.dropped[j]]
     pieces += [(i, i) for i in range(len(t)) if not t.links[i] and not t.dropped[i]]
     for k in range(int(max(params.at(pen + "strokes", 0) for pen in ("pen_1_", "pen_2_", "pen_3_")))):
-        dark, own, doubtful = _stroke(t, ends(t, layers, params, paper, k, dict(pictures)), pieces, layers, paper)
+        dark, own, doubtful = _stroke(t, ends(t, layers, params, paper, k, dict(pictures)), pieces, layers, paper,
+                                      _is_even(params))
         laid = laid + dark - mix(laid * dark, np.minimum(laid, dark), 0.4)  # what one leaves white the next may darken
         differ = np.abs(own - ink).max(-1) > 1e-4
         unsure |= doubtful | (np.abs(dark - darkest) < 1e-4) & (dark > 0) & differ
@@ -190,11 +210,12 @@ def _beside(t, i, j):
             for pair in ((j, i), (i, j))]
 
 
-def _stroke(t, each, pieces, layers, paper):
+def _stroke(t, each, pieces, layers, paper, even):
     shape = layers.depth.shape
     y, x = np.mgrid[:shape[0], :shape[1]]
-    best, nearest = np.zeros(shape), np.full(shape, np.inf)
-    ink, unsure = np.zeros((*shape, 3)), np.zeros(shape, bool)
+    best, nearest, second = np.zeros(shape), np.full(shape, np.inf), np.zeros(shape)
+    ways, ties = np.zeros((2, *shape)), np.zeros(shape, bool)
+    ink, unsure, links = np.zeros((*shape, 3)), np.zeros(shape, bool), []
     at, columns, color, (numbers, bristles), strips, beyond = each
     for i, j in pieces + beyond:
         a, way = at[i], at[j] - at[i]
@@ -203,13 +224,14 @@ def _stroke(t, each, pieces, layers, paper):
         high = np.maximum(np.ceil(np.maximum(at[i], at[j]) + reach).astype(int) + 1, 0)
         box = np.s_[low[1]:high[1], low[0]:high[0]]
         s = clamp01(((x[box] - a[0]) * way[0] + (y[box] - a[1]) * way[1]) / max(way @ way, 1e-12))
-        d = np.hypot(x[box] - mix(a[0], at[j, 0], s), y[box] - mix(a[1], at[j, 1], s))
+        to = np.stack([x[box] - mix(a[0], at[j, 0], s), y[box] - mix(a[1], at[j, 1], s)])
+        d = np.hypot(*to)
         rows = columns[[i, j]]
         for one, two in ((0, 1), (1, 0)):  # what branches off is as wide where it meets the others as beside that
             if i != j and j < len(t) and branches_off(t, (i, j)[one], (i, j)[two]) and rows[one, 0] > rows[two, 0]:
                 rows[one, :2] = rows[two, :2]
         out, fade, gain, ease, bias, rough, limit = (mix(rows[0, k], rows[1, k], s) for k in range(7))
-        dark = darkness(d, out, fade, gain, ease, bias, 1 + rough * (paper[box] - 1))
+        dark, most, width = darkness(d, out, fade, gain, ease, bias, 1 + rough * (paper[box] - 1))
         striped = any(strips[k] != End() for k in (i, j))
         ends_ = _beside(t, i, j) if i != j and j < len(t) else (i, j)
         wide = at[ends_[1]] - at[ends_[0]]
@@ -228,11 +250,21 @@ def _stroke(t, each, pieces, layers, paper):
         unsure[box] |= np.isfinite(z) & (np.abs(z - limit) < 1e-4 * np.maximum(z, 1)) & (dark > 0)
         dark[hidden] = 0
         own = np.where((s > 0.5)[..., None], color[j], color[i])
-        close = (np.abs(dark - best[box]) < 1e-4) & (dark > 0) & (np.abs(own - ink[box]).max(-1) > 1e-4)
-        unsure[box] |= close & (best[box] > 0)
+        close = (np.abs(dark - best[box]) < 1e-4) & (dark > 0)
+        unsure[box] |= close & (np.abs(own - ink[box]).max(-1) > 1e-4) & (best[box] > 0)
+        turned = close & (np.abs(to - ways[(slice(None), *box)]).max(0) > 0.1)
+        ties[box] = turned | (ties[box] & (dark <= best[box] + 1e-4))
         wins = (dark > best[box]) | ((dark == best[box]) & (dark > 0) & (d < nearest[box]))
         best[box][wins], nearest[box][wins], ink[box][wins] = dark[wins], d[wins], own[wins]
-    return best, ink, unsure
+        ways[(slice(None), *box)][:, wins] = to[:, wins]
+        links.append((box, to, way, dark, most, width))
+    for box, to, way, dark, most, width in links if even else ():
+        length = np.hypot(*way)
+        share = _across(to, to[0] * way[0] + to[1] * way[1], length, ways[(slice(None), *box)]) * clamp01(2 - width)
+        room = np.maximum(np.minimum(dark, most - best[box]), 0)
+        unsure[box] |= ties[box] & (room > 1e-3)
+        second[box] = np.maximum(second[box], room * share)
+    return best + second, ink, unsure
 
 
 def nearest(t, shape):
