@@ -40,21 +40,16 @@ static inline float spare(spared s, float lit, float bright)
 	return max(lit, min(more, s.end));
 }
 
-static float cube_root(float x)
-{
-	return x > 1e-30f ? pixel_cbrt(most_one(x)) : 0;
-}
-
 /* How light a colour looks between black and dark: from 0 to 1 by the cube roots, as the eye has it. Red-brown hair is
  * as light as brown skin, but redder, and paint and cloth of a strong red or blue look darker than they are: of deep
  * colours what is lighter than a quarter of the way from black to dark is taken as darker, so that some more lie below
  * dark, and none that is not black gets black. */
-static inline float counts_as(const encre_params *p, float bright, float r, float g, float b, float black, float dark)
+float ISA(tone_counts_as)(const encre_params *p, float bright, float r, float g, float b, float black, float dark)
 {
 	static const float quarter = 0.25f;
 	if (!(dark > black))
 		return 1;
-	float first = cube_root(black), last = cube_root(dark), own = cube_root(positive(bright));
+	float first = tone_cube_root(black), last = tone_cube_root(dark), own = tone_cube_root(positive(bright));
 	float from = first + quarter * (last - first), span = last - from;
 	float end = span + p->tone_reds * tone_deep(r, g, b) * last;
 	own = p->tone_reds > 0 && own > from ? from + (own - from) * span / end : own;
@@ -134,7 +129,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		bool nothing = depth && !(depth_of(depth[x + i]) < INFINITY);
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		float shown = tone_looks(p, s[0], s[1], s[2]);
-		float share = counts_as(p, shown, s[0], s[1], s[2], least, dark);
+		float share = ISA(tone_counts_as)(p, shown, s[0], s[1], s[2], least, dark);
 		lit = shown >= least ? light_left(lit, share, shown, 0) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
@@ -171,7 +166,7 @@ bool ISA(tone_caught)(const frame *f, int y, int x, int n, bool *caught)
 /* Light that levels are compared with; what shines or reflects is not in the dark, but for what dark glazed things
  * reflect that is no brighter than full light: the sky alone would cut the sea by the angle it is seen at. Nothing
  * there: INFINITY. */
-static void light_row(const frame *f, const encre_params *p, int y, int x, int n, float *restrict light)
+void ISA(tone_light)(const frame *f, const encre_params *p, int y, int x, int n, float *restrict light)
 {
 	const float *controls = controls_at(f, x, y);
 	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
@@ -201,7 +196,7 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 		float own_bright = spotted ? tone_lightness(p, a[0][i], a[1][i], a[2][i])
 					   : tone_looks(p, a[0][i], a[1][i], a[2][i]);
 		own_black = spotted && !spotted[i] ? 0 : own_black;
-		float share = counts_as(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
+		float share = ISA(tone_counts_as)(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
 		lit = light_left(lit, share, own_bright, mirrored);
 		float shine = spotted ? (rest[i] > 0.5f ? rest[i] : -1) : rest[i] - glazed[i];
 		light[i] = own_bright < own_black ? max(shine, -1) : max(lit, rest[i]);
@@ -211,6 +206,10 @@ static void light_row(const frame *f, const encre_params *p, int y, int x, int n
 	bool caught[TONE_CHUNK], any = ISA(tone_caught)(f, y, x, n, caught);
 	for (int i = 0; any && i < n; i++)
 		light[i] = caught[i] ? exposed(m, max3(d[0][i], d[1][i], d[2][i])) : light[i];
+	const float *open = ((const tone_frame *)f->tones)->open;
+	open = open ? open + (ptrdiff_t)y * f->width + x : NULL;
+	for (int i = 0; open && i < n; i++)
+		light[i] = light[i] >= 0 ? max(light[i], open[i]) : light[i];
 }
 
 /* How the light passes a threshold: never, in one step, or by and by. */
@@ -227,10 +226,10 @@ static void steep_row(const frame *f, const encre_params *p, int y, int x, int n
 		      float *restrict steep)
 {
 	float above[TONE_CHUNK], below[TONE_CHUNK], row[TONE_CHUNK + 2];
-	light_row(f, p, step_beside(y, -1, f->height), x, n, above);
-	light_row(f, p, step_beside(y, 1, f->height), x, n, below);
-	light_row(f, p, y, step_beside(x, -1, f->width), 1, row);
-	light_row(f, p, y, step_beside(x + n - 1, 1, f->width), 1, row + n + 1);
+	ISA(tone_light)(f, p, step_beside(y, -1, f->height), x, n, above);
+	ISA(tone_light)(f, p, step_beside(y, 1, f->height), x, n, below);
+	ISA(tone_light)(f, p, y, step_beside(x, -1, f->width), 1, row);
+	ISA(tone_light)(f, p, y, step_beside(x + n - 1, 1, f->width), 1, row + n + 1);
 	memcpy(row + 1, light, (size_t)n * sizeof *row);
 	bool spotted = ((const tone_frame *)f->tones)->spotted; /* light beside a black does not run out */
 	for (int i = 0; spotted && i < n + 2; i++)
@@ -362,7 +361,7 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK], steep[TONE_CHUNK];
 	bool steps = false;
 	const float *controls = controls_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
-	light_row(f, p, y, x, n, light);
+	ISA(tone_light)(f, p, y, x, n, light);
 	for (int level = 1; level < p->shade_levels.count; level++)
 		steps |= is_step(p->shade_levels.level + level) && !p->tone_crisp;
 	for (int i = 0; i < n; i++)

@@ -314,9 +314,18 @@ static bool lit(const frame *f)
 	return found && f->layer[ENCRE_LAYER_ANCHOR].data;
 }
 
+/* Whether light is left on things in the dark. */
+static bool opens(const frame *f)
+{
+	bool found = false;
+	for (int i = 0; i < f->n_styles; i++)
+		found |= f->params[i].use_tones && f->params[i].tone_open > 0;
+	return found && f->layer[ENCRE_LAYER_NORMAL].data;
+}
+
 static bool works(const frame *f)
 {
-	return marked(f) || tone_fitted(f) || tone_spots_small(f);
+	return marked(f) || opens(f) || tone_fitted(f) || tone_spots_small(f);
 }
 
 enum { WANTED = 1 << 15 /* tiles of points that find a place at once */ };
@@ -329,6 +338,10 @@ static void plan(frame *f, arena *a)
 	tone_frame *t = arena_take(a, 1, sizeof *t);
 	tone_frame own = {.styles = arena_take(a, (size_t)f->n_styles, sizeof *own.styles)};
 	own.detail.prints = marked(f) || screened(f);
+	if (opens(f)) {
+		own.opening = arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *own.opening);
+		own.things = arena_take(a, TONE_THINGS, sizeof *own.things);
+	}
 	own.spotted = tone_spots_small(f) ? arena_take(a, (size_t)f->width * (size_t)f->height, 1) : NULL;
 	ISA(tone_detail_plan)(f, &own.detail, a);
 	if (marked(f)) {
@@ -392,7 +405,7 @@ static int32_t prepare(frame *f)
 /* Whether strokes are told by layers of their pixels alone, without what is clear of them and how whole things lie. */
 static bool looks_first(const tone_frame *t)
 {
-	return t && t->marks && !t->detail.keep && !t->spotted && !t->marks->turns;
+	return t && t->marks && !t->detail.keep && !t->spotted && !t->opening && !t->marks->turns;
 }
 
 static void first_rows(void *data, int y0, int y1, int thread)
@@ -407,6 +420,8 @@ static int32_t run(frame *f)
 {
 	tone_frame *t = f->tones;
 	int32_t code = t && t->spotted ? ISA(tone_blacks_run)(f, t->spotted) : ENCRE_OK;
+	if (!code && t && t->opening)
+		code = ISA(tone_open_run)(f, t);
 	if (!code && t && t->detail.keep)
 		code = ISA(tone_detail_run)(f, &t->detail);
 	if (!code && t && t->detail.room)

@@ -18,7 +18,9 @@ enum {
 	TONE_DETAIL_MOST = 32 /* pixels */,
 	TONE_DETAIL_FAR = TONE_DETAIL_MOST + TONE_DETAIL_MOST / 2 + 1,
 	TONE_ROOM_MOST = 60,
-	TONE_SPOTTED = 255
+	TONE_SPOTTED = 255,
+	TONE_SHADES = 5,   /* from as dark as black to light */
+	TONE_THINGS = 4096 /* that are told apart in the dark */
 };
 
 #define TONE_EACH(X) X(1) X(2) X(3) X(4) X(5) X(6)
@@ -132,14 +134,24 @@ typedef struct tone_spread {
 
 typedef struct tone_marks tone_marks; /* strokes.h */
 
+/* Of a thing's pixels, by how light their color is: how many there are, and how many of them have light. */
+typedef struct tone_thing {
+	float object;
+	bool taken;
+	uint64_t all[TONE_SHADES], lit[TONE_SHADES];
+} tone_thing;
+
 /* What the stage has of a frame. */
 typedef struct tone_frame {
 	tone_style *styles;
 	tone_marks *marks;
 	tone_detail detail;
-	bool caught;      /* shadows are seen where nothing is: they have light, and no color */
-	bool night;       /* the sky is some light's color, and may be black as anything that is dark */
-	uint8_t *spotted; /* by pixel, TONE_SPOTTED where a black is one, else 0; NULL: all are */
+	bool caught;        /* shadows are seen where nothing is: they have light, and no color */
+	bool night;         /* the sky is some light's color, and may be black as anything that is dark */
+	uint8_t *spotted;   /* by pixel, TONE_SPOTTED where a black is one, else 0; NULL: all are */
+	float *open;        /* by pixel, the least light that it has in the dark; NULL: nothing is left open, yet */
+	float *opening;     /* room for that; NULL: nothing is ever */
+	tone_thing *things; /* TONE_THINGS; NULL likewise */
 } tone_frame;
 
 /* tones.c: the coordinates of a slot's dots, spots and strokes; on the screen without `rest`. */
@@ -161,7 +173,14 @@ float ISA(tone_room)(const encre_params *p, const tone_style *style);
 /* blacks.c: fills it. */
 int32_t ISA(tone_blacks_run)(frame *f, uint8_t *spotted);
 
+/* open.c: fills it. */
+int32_t ISA(tone_open_run)(frame *f, tone_frame *t);
+
 /* dark.c */
+/* How much of the light a color that looks so bright has, by how far it is from black to dark. */
+float ISA(tone_counts_as)(const encre_params *p, float bright, float r, float g, float b, float black, float dark);
+/* The light of n pixels that levels are compared with. */
+void ISA(tone_light)(const frame *f, const encre_params *p, int y, int x, int n, float *restrict light);
 /* Tells which of n pixels show the shadow that a catcher has caught; false: none does. */
 bool ISA(tone_caught)(const frame *f, int y, int x, int n, bool *caught);
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w);
@@ -256,6 +275,12 @@ static inline float tone_looks(const encre_params *p, float r, float g, float b)
 {
 	float own = tone_lightness(p, r, g, b);
 	return own + 0.6f * (1 - tone_deep(r, g, b)) * positive(r - own);
+}
+
+/* As the eye has light. */
+static inline float tone_cube_root(float x)
+{
+	return x > 1e-30f ? pixel_cbrt(most_one(x)) : 0;
 }
 
 /* A film that lets through less than this is opaque: what is seen of it is a sky. */

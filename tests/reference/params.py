@@ -86,8 +86,8 @@ DEFAULTS = {
     "paper_seed": 0,
     # tones
     "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_reds": 0.0,
-    "tone_black_by": "VALUE", "tone_local": 0.0, "tone_mirrors": False, "tone_sky": 0.0, "tone_detail": 0.0,
-    "tone_least": 0.0, "tone_black_widest": 0.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
+    "tone_black_by": "VALUE", "tone_local": 0.0, "tone_open": 0.0, "tone_mirrors": False, "tone_sky": 0.0,
+    "tone_detail": 0.0, "tone_least": 0.0, "tone_black_widest": 0.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
     "tone_strokes": "FORM", "tone_light_direction": 135.0, "tone_light_height": 45.0,
     "page_height": 257.0,
     **{f"tone_{n}": kind for n, kind in enumerate(("DOTS", "DOTS", "NONE", "NONE", "SAME", "SAME"), 1)},

@@ -231,8 +231,26 @@ def _lightness(of):
     return _luminance if of("tone_black_by") == "LUMINANCE" else value
 
 
-def _dark(layers, levels, of, look, spotted=None):
-    """(share, darkness) of a tone at each pixel."""
+def _looking(of, color):
+    """Reds that are not deep are lighter than the eye has them."""
+    own = _lightness(of)(color)
+    return own + 0.6 * (1 - cleared.deep(color)) * np.maximum(color[..., 0] - own, 0)
+
+
+def _counted(of, color, bright, black, dark):
+    """How far a color is from black to dark by cube roots: deep reds and blues less."""
+    first, last, own = np.cbrt(black), np.cbrt(dark), np.cbrt(np.maximum(bright, 0))
+    begin = first + 0.25 * (last - first)
+    span = last - begin
+    with np.errstate(invalid="ignore", divide="ignore"):
+        less = begin + (own - begin) * span / (span + of("tone_reds") * cleared.deep(color) * last)
+        own = np.where((of("tone_reds") > 0) & (own > begin), less, own)
+        return np.where(dark > black, clamp01((own - first) / (last - first)), 1)
+
+
+def _compared(layers, of, spotted=None):
+    """(the light that levels are compared with, where shadows are caught, whether there is a night)."""
+    levels = of("shade_levels")
     end = levels[1][1] + max(levels[1][2] / 2, 1e-3) if len(levels) > 1 else 0.0
 
     def spared(lit, color):
@@ -244,31 +262,16 @@ def _dark(layers, levels, of, look, spotted=None):
     lightness = _lightness(of)
     left = np.maximum(1 - value(layers.gloss) * _glazed(layers), 0.05) if of("tone_black_by") == "LUMINANCE" else 1
 
-    def looks(color):
-        """Reds that are not deep are lighter than the eye has them."""
-        own = lightness(color)
-        return own + 0.6 * (1 - cleared.deep(color)) * np.maximum(color[..., 0] - own, 0)
-
     def kept(lit, share, bright, mirrored=0):
         own = bright / np.maximum(np.maximum(bright, mirrored), 1e-30)
         left = share / np.maximum(mix(own ** 2, 1, share), 1e-30)
         both = np.minimum(lit, 1) ** 2 * (1 - left ** 2) + left ** 2
         return np.where((left < 1) & (lit > 0), lit * left / np.sqrt(np.maximum(both, 1e-30)), lit)
 
-    def shared(color, bright, black, dark):
-        """How far a color is from black to dark by cube roots: deep reds and blues less."""
-        first, last, own = np.cbrt(black), np.cbrt(dark), np.cbrt(np.maximum(bright, 0))
-        begin = first + 0.25 * (last - first)
-        span = last - begin
-        with np.errstate(invalid="ignore", divide="ignore"):
-            less = begin + (own - begin) * span / (span + of("tone_reds") * cleared.deep(color) * last)
-            own = np.where((of("tone_reds") > 0) & (own > begin), less, own)
-            return np.where(dark > black, clamp01((own - first) / (last - first)), 1)
-
-    own, black = (looks if spotted is None else lightness)(layers.color), of("tone_black") * left
+    own, black = (_looking(of, layers.color) if spotted is None else lightness(layers.color)), of("tone_black") * left
     mirrored = clamp01(lightness(other(layers))) * _glazed(layers)
     black = black if spotted is None else np.where(spotted, black, 0)
-    lit = kept(lit, shared(layers.color, own, black, of("tone_dark") * left), own, mirrored)
+    lit = kept(lit, _counted(of, layers.color, own, black, of("tone_dark") * left), own, mirrored)
     shine = rest - _glazed(layers) if spotted is None else np.where(rest > 0.5, rest, -1)
     light = np.where(own < black, np.maximum(shine, -1), np.maximum(lit, rest))
     sky = np.full(light.shape, np.inf)
@@ -282,8 +285,9 @@ def _dark(layers, levels, of, look, spotted=None):
         seen = value(layers.seen_color)
         lit = metered(layers, value(other(layers)) / np.maximum(seen, least)) * of("shade_exposure")
         lit = spared(lit, layers.seen_color)
-        shown = looks(layers.seen_color)
-        lit = np.where(shown >= least, kept(lit, shared(layers.seen_color, shown, least, of("tone_dark")), shown), -1)
+        shown = _looking(of, layers.seen_color)
+        share = _counted(of, layers.seen_color, shown, least, of("tone_dark"))
+        lit = np.where(shown >= least, kept(lit, share, shown), -1)
         nothing = ~((layers.seen_depth > 0) & (layers.seen_depth < 1e9))
         itself = np.abs(layers.seen_depth - layers.depth) <= 0.02 * layers.depth
         shows = ((value(layers.color) < 0.05)
@@ -297,7 +301,48 @@ def _dark(layers, levels, of, look, spotted=None):
         seen = (own - of("tone_black")) * 2 / of("tone_black")
         light = np.where(sky, np.select([own < of("tone_black"), seen < 1], [-1, seen], np.inf), light)
     caught = ~layers.there & (value(layers.diffuse) > 0)
-    light = np.where(caught, metered(layers, value(layers.diffuse)) * of("shade_exposure"), light)
+    return np.where(caught, metered(layers, value(layers.diffuse)) * of("shade_exposure"), light), caught, night
+
+
+def _opened(layers, params, spotted):
+    """The least light that pixels have in the dark: things that hardly have any are left open where they are light and
+    turn to the upper left."""
+    out, light, lit = (np.zeros(layers.depth.shape) for _ in range(3))
+    begins, part, most = (np.zeros(out.shape) for _ in range(3))
+    for number, table in enumerate(params.tables):
+        of, own, levels = table.__getitem__, layers.style == number, table["shade_levels"]
+        start = max(levels[1][1], 0) if len(levels) > 1 else 0
+        if not (of("use_tones") and of("tone_open") > 0 and start > 0):
+            continue
+        compared, *_ = _compared(layers, of, spotted)
+        has = np.maximum(compared, metered(layers, value(layers.diffuse)) * of("shade_exposure") + painted(layers))
+        looks, black = _looking(of, layers.color), np.cbrt(of("tone_black"))
+        bright = clamp01((np.cbrt(clamp01(looks)) - black) / max(1 - black, 1e-3))
+        end = 2 * start if len(levels) < 3 else mix(start, levels[2][1], 0.25)
+        full = _counted(of, layers.color, looks, of("tone_black"), of("tone_dark"))
+        part = np.where(own, (compared >= 0) & layers.there, part)
+        for to, value_ in ((light, bright), (lit, clamp01((has - start) / (0.25 * start) + 0.5)),
+                           (begins, start * of("tone_open")), (most, np.minimum(max(end, start), full))):
+            to[own] = np.broadcast_to(value_, own.shape)[own]
+    part = part > 0
+    shade, lit = np.floor(1024 * np.minimum(light / 0.83, 1) + 0.5) / 256, np.floor(255 * lit + 0.5) / 255
+    less = np.zeros(out.shape)
+    for thing in np.unique(layers.object[part]):
+        own = part & (layers.object == thing)
+        for k in range(5):
+            near = np.maximum(1 - np.abs(shade - k), 0) * own
+            share = (near * lit).sum() / max(near.sum(), 1e-30)
+            less += near * share
+    normal = layers.normal @ layers.view.T
+    square = (normal ** 2).sum(-1)
+    turned = np.maximum(normal @ np.array((-0.7, 0.25, 0.67)), 0) ** 2 / np.where(square > 1e-12, square, np.inf)
+    return np.where(part, np.minimum(begins * turned * light * np.maximum(1 - 3 * less, 0) / 0.145, most), 0)
+
+
+def _dark(layers, levels, of, look, spotted=None, opened=0):
+    """(share, darkness) of a tone at each pixel."""
+    light, caught, night = _compared(layers, of, spotted)
+    light = np.where(light >= 0, np.maximum(light, opened), light)
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
     steep = 0 if of("tone_crisp") else steepness(np.clip(light, None if spotted is None else 0, 1e6))
     share, total = np.zeros(light.shape), np.zeros(light.shape)
@@ -439,7 +484,7 @@ def _pitch(of, look, layers, scale):
     return pitch, c, s
 
 
-def _rooms(layers, params, keep, scale, spotted):
+def _rooms(layers, params, keep, scale, spotted, opened):
     """What screens have at each pixel."""
     if not params["tone_least"] > 0:
         return np.ones(keep[0].shape), 0
@@ -454,7 +499,7 @@ def _rooms(layers, params, keep, scale, spotted):
                     default=0)
         radius = np.where(own, min(0.5 * params["tone_least"] * pitch, 60), radius)
         for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
-            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted), look[0], keep)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted, opened), look[0], keep)
             (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share, 0)[own]
     return cleared.rooms(layers, screens, solid, np.minimum(keep[0], keep[1]) < 0.5, keep[2], radius)
 
@@ -478,7 +523,8 @@ def fill(layers, params, surface, paper):
     scale = params.pixels(layers.full_height)
     keep = cleared.kept(layers, params)
     spotted = blacks.spotted(layers, params, _lightness) if params["tone_black_widest"] > 0 else None
-    rooms = _rooms(layers, params, keep, scale, spotted)
+    opened = _opened(layers, params, spotted)
+    rooms = _rooms(layers, params, keep, scale, spotted, opened)
     for number, table in enumerate(params.tables):
         of, own = table.__getitem__, layers.style == number
         if not of("use_tones"):
@@ -488,7 +534,7 @@ def fill(layers, params, surface, paper):
         for k, look in reversed(list(enumerate(looks))):
             if look[0] == "NONE" or look in looks[:k]:
                 continue
-            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted), look[0], keep)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted, opened), look[0], keep)
             if not (dark > 0).any():
                 continue
             if look[0] in ("HATCH", "STIPPLE"):
