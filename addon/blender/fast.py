@@ -40,7 +40,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     """
     kept, scene = kept or Kept(), depsgraph.scene_eval
     pictures.turn()
-    light = lamps.Light(depsgraph, clip, kept.light, visible, settings.shadows_world)
+    light = lamps.Light(depsgraph, clip, kept.light, visible, settings.shadows_world, settings.planes)
     blocks = [block for block in depsgraph.ids if isinstance(block, bpy.types.Material)]
     looks = materials.read(blocks, kept.images)
     objects = meshes.extract(depsgraph, settings.every[0]["object_index"] == "AUTO", None, light, kept.meshes, visible,

@@ -184,7 +184,8 @@ class Frames:
         if not settings.draws_light:
             return None
         light = lamps.Light(depsgraph, (camera.data.clip_start, camera.data.clip_end),
-                            lamps.between(self.engine, depsgraph), shadowed=settings.shadows_world)
+                            lamps.between(self.engine, depsgraph), shadowed=settings.shadows_world,
+                            planes=settings.planes)
         if light.unknown:
             self.engine.say("WARNING", f"drawn light leaves out {', '.join(light.unknown)}: only Cycles can read it")
         if not light.dark:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from ..pen.irradiance import planes as planes_of
 from ..pen.irradiance import polynomials
 from ..pen.job import EVERY_SET, Bend, Lamp
 from ..pen.scene import Scene
@@ -13,6 +14,8 @@ from . import cutouts, filters, pictures, receivers, skies, trees, versions, wan
 
 _KINDS = {"SUN": "sun", "POINT": "point", "SPOT": "spot", "SQUARE": "rectangle", "RECTANGLE": "rectangle",
           "DISK": "ellipse", "ELLIPSE": "ellipse"}
+_THINGS = "MESH", "CURVE", "SURFACE", "FONT", "META"
+_EVEN, _USUAL = 0.1, np.sqrt([0.5, 0.5]) * (-1, 1)  # a share of the light that has no way, and the way that it has then
 _MOST_SETS, _MOST_BENDS = 64, 64
 _SIDES = np.array([(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z], np.float64)
 _SIDES /= np.linalg.norm(_SIDES, axis=1)[:, None]
@@ -57,9 +60,10 @@ def forget():
 class Light:
     """The light of one view layer: made before Cycles frees the scene, drawn after it."""
 
-    def __init__(self, depsgraph, clip, kept=None, shown=None, shadowed=False):
+    def __init__(self, depsgraph, clip, kept=None, shown=None, shadowed=False, planes=0.0):
         """clip: the camera's (start, end); kept: the Kept of the Light before this one, which must not be drawn any
-        more; shown: as meshes.extract() takes it; shadowed: whether things keep the world's light from each other."""
+        more; shown: as meshes.extract() takes it; shadowed: whether things keep the world's light from each other;
+        planes: how much its sides are told apart."""
         self.kept, self.clip, self.unknown = kept or Kept(), clip, []
         self.scene = self.kept.scene
         self.sets, self.materials = _Sets(), {}
@@ -73,6 +77,8 @@ class Light:
             self.around = skies.light(world)
         except trees.Unknown as e:
             self.unknown.append(f"the world's node {e}")
+        if planes > 0 and self.around.ambient is not None:
+            self.around.ambient = planes_of(self.around.ambient, _level(depsgraph, self.around, shown), planes)
         self.world = None if self.around.ambient is None else self.around.ambient * self.exposure
         self.free = self.world  # of the world's light what nothing is in the way of
         if shadowed and self.world is not None:
@@ -242,6 +248,34 @@ def suns(around, world):
     matt = not getattr(getattr(world, "cycles_visibility", None), "glossy", True)
     for sun in around.suns:
         yield Lamp("sun", sun.color, width=sun.width, matt=matt, model=_facing(sun.direction))
+
+
+def _level(depsgraph, around, shown):
+    """The way on the level (2,), of length 1, from which most light comes: to where most things stand. Where it comes
+    evenly, from the upper left of the world's plan, as draftsmen have it."""
+    places, told_ = [], []
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        if not instance.show_self or shown and not shown(
+                (instance.parent if instance.is_instance else obj).original):
+            continue
+        matrix = np.array(instance.matrix_world, np.float64)
+        if obj.type == "LIGHT":
+            told_.append(told(obj, matrix))
+        elif obj.type in _THINGS:
+            places.append(matrix[:3, 3])
+    middle = np.median(places, 0) if places else np.zeros(3)
+    way, whole = around.ambient[1:3].mean(1), float(np.abs(around.ambient[0]).mean())
+    for lamp in [*suns(around, None), *(lamp for lamp in told_ if lamp is not None)]:
+        strength, toward = float(np.mean(lamp.color)) / np.pi, lamp.model[:3, 2]
+        if lamp.kind != "sun":
+            toward = lamp.model[:3, 3] - middle
+            strength /= 4 * np.pi * max(float(toward @ toward), 1e-6)
+        way = way + strength * toward[:2] / max(np.linalg.norm(toward), 1e-300)
+        whole += strength
+    way = way / max(whole, 1e-300)
+    way = way + max(_EVEN - np.linalg.norm(way), 0) * _USUAL
+    return way / np.linalg.norm(way) if np.linalg.norm(way) > 1e-6 else _USUAL
 
 
 def _facing(side):

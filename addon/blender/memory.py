@@ -72,6 +72,7 @@ class Layer:
             "Supersample": old.factor != new.factor,
             "Light": old.draws_light != new.draws_light and not new.fast,
             "World Shadows": (new.draws_light or new.fast) and old.shadows_world != new.shadows_world,
+            "Planes": (new.draws_light or new.fast) and old.planes != new.planes,
             "Flat Colors": new.fast and old.flat != new.flat,
             "Object Index": old.every[0]["object_index"] != new.every[0]["object_index"],
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,

@@ -22,7 +22,8 @@ def beside(context, depsgraph, settings, camera):
     """All that fast.read() reads of the settings, the scene and its view layer: equal where one evaluation that has
     changed settings has not changed any of these, too."""
     scene, layer, space = depsgraph.scene_eval, context.view_layer, context.space_data
-    return (settings.every[0]["object_index"], settings.rastered, settings.shadows_world, settings.flat,
+    return (settings.every[0]["object_index"], settings.rastered, settings.shadows_world, settings.planes,
+            settings.flat,
             [style.name for style in scene.encre.styles],
             scene.render.film_transparent, camera and camera.name_full,
             filters.told(depsgraph),

@@ -25,6 +25,28 @@ def constant(color: np.ndarray) -> np.ndarray:
     return out
 
 
+_RISES = math.sqrt(0.75)  # of the way to the light that planes have: 60 degrees up
+
+
+def planes(light: np.ndarray, level: np.ndarray, amount: float) -> np.ndarray:
+    """The (9, 3) of light whose sides are told apart as draftsmen do it, whatever it comes from: what faces up has as
+    much as before, what faces the way `level` (2,), of length 1, nearly that, and what faces away or down less by up to
+    the share `amount`."""
+    t = np.array([*(np.asarray(level, np.float64) * math.sqrt(1 - _RISES ** 2)), _RISES])
+    steep = amount / (1 + _RISES)  # light is multiplied by 1 - steep (t[2] - n t), n the normal
+    a = light[1:4]
+    out = (1 - steep * _RISES) * light
+    out[1:4] += steep * t[:, None] * light[0]
+    xx, yy, zz = t[:, None] * a
+    out[0] += steep * (xx + yy + zz) / 3
+    out[4] += steep * (t[0] * a[1] + t[1] * a[0])
+    out[5] += steep * (t[1] * a[2] + t[2] * a[1])
+    out[6] += steep * (2 * zz - xx - yy) / 6
+    out[7] += steep * (t[0] * a[2] + t[2] * a[0])
+    out[8] += steep * (xx - yy) / 2
+    return out
+
+
 def of_picture(picture: np.ndarray, rotation: np.ndarray | None = None) -> np.ndarray:
     """(9, 3) of an equirectangular picture (height, width, 3 or more), row 0 at the top, whose middle is seen towards
     +x and its upper edge towards +z; rotation (3, 3): world -> picture."""

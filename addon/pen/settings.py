@@ -186,6 +186,11 @@ class Settings:
         return bool(self.every[0]["world_shadows"])
 
     @cached_property
+    def planes(self) -> float:
+        """How much the world's light tells sides apart, where light is drawn."""
+        return float(self.every[0]["world_planes"])
+
+    @cached_property
     def denoises(self) -> bool:
         """Whether the light is to be denoised, where it is rendered."""
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light

@@ -60,13 +60,19 @@ float ISA(tone_counts_as)(const encre_params *p, float bright, float r, float g,
  * shaded one would be as black as black in any light and the next as white as white. In the shade it has hardly less
  * than others, or the shaded half of a dark face, features and all, would be black beside a lit one in a tone: squares
  * of one over each are added. What is mirrored over it and outshines it (mirrored: its lightness, 0 for none) gives
- * light back: a sea under a light sky is no black. */
-static inline float light_left(float lit, float share, float bright, float mirrored)
+ * light back: a sea under a light sky is no black. form: how far it has the same share of any light instead, that of a
+ * middle one, so that its planes are told apart: lighter in the light, darker in the shade, but for solid, which goes
+ * up to `end`. */
+static const float middle_light = 0.7f;
+
+static inline float light_left(float lit, float share, float bright, float mirrored, float form, float end)
 {
 	float own = bright / max3(bright, mirrored, FLT_MIN), shaded = most_one(lit);
 	float left = share / max(mix(own * own, 1, share), FLT_MIN);
 	float both = shaded * shaded * (1 - left * left) + left * left;
-	return left < 1 && lit > 0 ? lit * left / sqrtf(max(both, FLT_MIN)) : lit;
+	float kept = lit * left / sqrtf(max(both, FLT_MIN));
+	float told = max(mix(kept, min(left / middle_light, 1) * lit, form), min(kept, end));
+	return left < 1 && lit > 0 ? told : lit;
 }
 
 static const float clear_from = 0.7f; /* share of light that a glazed thing mirrors from which on it is a mirror */
@@ -130,7 +136,7 @@ static void mirrored_row(const frame *f, const encre_params *p, int y, int x, in
 		bool shows = max3(color[0][i], color[1][i], color[2][i]) < 0.05f;
 		float shown = tone_looks(p, s[0], s[1], s[2]);
 		float share = ISA(tone_counts_as)(p, shown, s[0], s[1], s[2], least, dark);
-		lit = shown >= least ? light_left(lit, share, shown, 0) : -1;
+		lit = shown >= least ? light_left(lit, share, shown, 0, p->tone_form, own.end) : -1;
 		if (glazed[i] > 0.5f) {
 			float own_depth = depth_of(front[x + i]);
 			bool itself = depth && fabsf(depth[x + i] - own_depth) <= 0.02f * own_depth;
@@ -197,7 +203,7 @@ void ISA(tone_light)(const frame *f, const encre_params *p, int y, int x, int n,
 					   : tone_looks(p, a[0][i], a[1][i], a[2][i]);
 		own_black = spotted && !spotted[i] ? 0 : own_black;
 		float share = ISA(tone_counts_as)(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
-		lit = light_left(lit, share, own_bright, mirrored);
+		lit = light_left(lit, share, own_bright, mirrored, p->tone_form, own.end);
 		float shine = spotted ? (rest[i] > 0.5f ? rest[i] : -1) : rest[i] - glazed[i];
 		light[i] = own_bright < own_black ? max(shine, -1) : max(lit, rest[i]);
 	}

@@ -5,6 +5,7 @@ SWITCH(use_tones, SURFACE, 0, "", "Tones", "Fill light and shadow with screenton
 FLOAT(tone_darkness, SURFACE, 0, -1, 1, -1, 1, "", "use_tones", "Darkness", "Makes the tones of all levels darker; below 0 lighter")
 FLOAT(tone_black, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Spotted Blacks", "Colors darker than this have the tone of the darkest level, whatever their light")
 FLOAT(tone_dark, SURFACE, 0, 0, 1, 0, 0.5, "", "use_tones", "Dark Colors", "Colors darker than this get darker tones, the more so the nearer they are to Spotted Blacks. 0: none do")
+FLOAT(tone_form, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones&tone_dark", "Form of Dark Colors", "How much light and shade show on dark colors. 0: they have nearly the same tone all over, 1: they get darker as their light does, but not solid")
 FLOAT(tone_reds, SURFACE, 0, 0, 100, 0, 5, "", "use_tones&tone_dark", "Deep Reds and Blues", "How much lighter deep reds and blues may be and still count as dark, as red-brown hair should. 1: twice as light. 0: no lighter than others")
 FLOAT(tone_black_widest, FRAME, 0, 0, 4096, 0, 200, "px", "use_tones&tone_black", "Widest Black", "Spot only blacks up to this width that stand on something light, as pupils, brows and letters: they get tone 1, and levels of light begin with tone 2. 0: spot all")
 ENUM(tone_black_by, SURFACE, 0, "use_tones", "Blacks By", "How the darkness of a color is measured",

@@ -18,6 +18,13 @@ def test_what_surfaces_receive_tells_shade(render):
     kept = facts["kept"]
     assert kept[0] == "FIXED" and kept[1:] == pytest.approx(facts["pale"], rel=1e-5)
     assert facts["usual"] == [pytest.approx(0.15 + 1 / np.pi), 0], "the usual light is cut as it was"
+    top, right, left, back, front, below = np.array(facts["even"]) / 0.1
+    assert top == pytest.approx(1) and below == pytest.approx(1 - 0.6 * 2 * 0.75**0.5 / (1 + 0.75**0.5))
+    assert left == pytest.approx(back) and front == pytest.approx(right) and right < left < top, "from the upper left"
+    top, right, left, back, front, below = np.array(facts["from x"]) / 0.1
+    assert below < left < front < right < top, "from where the sun is"
+    assert front == pytest.approx(back) and top == pytest.approx(1)
+    assert facts["no planes"] == pytest.approx([0.1] * 6)
     light, shade = facts["sky"]
     assert 0 < shade < 0.1 * light, "under a sky shade is seen as shade"
     light, shade = facts["low"]

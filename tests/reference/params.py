@@ -85,7 +85,7 @@ DEFAULTS = {
     "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # tones
-    "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_reds": 0.0,
+    "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_reds": 0.0, "tone_form": 0.0,
     "tone_black_by": "VALUE", "tone_local": 0.0, "tone_open": 0.0, "tone_mirrors": False, "tone_sky": 0.0,
     "tone_detail": 0.0, "tone_least": 0.0, "tone_black_widest": 0.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
     "tone_strokes": "FORM", "tone_light_direction": 135.0, "tone_light_height": 45.0,
@@ -111,11 +111,11 @@ DEFAULTS = {
     "print_least": 0.06,
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
-    "world_shadows": False, "flat_colors": 0, "light_denoise": "OIDN",
+    "world_shadows": False, "world_planes": 0.0, "flat_colors": 0, "light_denoise": "OIDN",
     "save_layers": "AUTO", "save_rest": "AUTO",
 }
 
-ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_shadows", "flat_colors",
+ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_shadows", "world_planes", "flat_colors",
           "light_denoise", "save_layers", "save_rest"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash",
             "use_gouache", "use_specks", "use_print", "use_relief")

@@ -266,7 +266,10 @@ def _compared(layers, of, spotted=None):
         own = bright / np.maximum(np.maximum(bright, mirrored), 1e-30)
         left = share / np.maximum(mix(own ** 2, 1, share), 1e-30)
         both = np.minimum(lit, 1) ** 2 * (1 - left ** 2) + left ** 2
-        return np.where((left < 1) & (lit > 0), lit * left / np.sqrt(np.maximum(both, 1e-30)), lit)
+        own = lit * left / np.sqrt(np.maximum(both, 1e-30))
+        formed = mix(own, lit * np.minimum(left / 0.7, 1), of("tone_form"))
+        told = np.maximum(formed, np.minimum(own, end))  # nothing gets solid
+        return np.where((left < 1) & (lit > 0), told, lit)
 
     own, black = (_looking(of, layers.color) if spotted is None else lightness(layers.color)), of("tone_black") * left
     mirrored = clamp01(lightness(other(layers))) * _glazed(layers)

@@ -54,6 +54,7 @@ def look(rng, kinds):
                tone_black_by=str(rng.choice(["VALUE", "LUMINANCE"])), tone_dark=rng.choice([0, rng.random()]),
                tone_reds=rng.choice([0, 2 * rng.random()]),
                tone_local=rng.choice([0, rng.random()]), tone_darkness=rng.choice([0, rng.uniform(-0.5, 0.5)]))
+    own["tone_form"] = own["tone_local"]  # as random as that
     for n in range(1, 7):
         own |= {f"tone_{n}": str(rng.choice([*kinds, *["SAME"] * (n > 4)])),
                 f"tone_{n}_pitch": rng.choice([3, 6, 14]) * rng.uniform(0.5, 1),
@@ -355,6 +356,29 @@ def test_a_dark_sea_is_as_light_as_the_sky_in_it():
     assert (sea[40:, daylit] < 0.25).all() and (sea[:5, daylit] > 0.6).all() and (sea[:, dark] == 1).all()
     assert (np.diff(sea, axis=0) < 1e-6).all() and np.diff(sea[:, bright > 0.01], axis=0).min() > -0.15
     assert matt[0, daylit].min() > 0.3
+
+
+def test_dark_colors_have_a_light_side_and_a_dark_side():
+    """A color that has a third of full light has a third of a middle one with `tone_form` and as much of any, but no
+    less than where solid ends, if it had more without."""
+    light = np.float32((0.06, 0.35, 0.7, 1))[None, :, None]
+    zero, one = np.zeros((3, 4, 3), np.float32), np.ones((3, 4, 1), np.float32)
+    color = zero + np.float32((0.03 ** (1 / 3) * 2 / 3 + 0.14 ** (1 / 3) / 3) ** 3)
+    layers = dict(color=color, diffuse=zero + light, depth=one, normal=zero + 1,
+                  combined=np.concatenate([color * light, one], 2))
+
+    def left(form):
+        scene = dict(ALONE, tone_1="SOLID", tone_2="SOLID", tone_3="NONE", tone_black=0.03, tone_dark=0.14,
+                     tone_black_by="LUMINANCE", shade_levels=[(0.0,), (0, 0.02, 0.04), (1, 0.5, 0.92)], tone_form=form)
+        drawn, want = library.render(layers, scene, outputs=["Encre Tones"]).images, reference(layers, scene)
+        np.testing.assert_allclose(drawn["Encre Tones"], want["Encre Tones"], atol=2e-5)
+        return 0.04 + 0.92 * (1 - drawn["Encre Tones"][0, :, 3])
+
+    bright = light[0, :, 0]
+    usual = bright / 3 / np.sqrt(bright ** 2 * 8 / 9 + 1 / 9)
+    np.testing.assert_allclose(left(0), usual, atol=1e-4)
+    np.testing.assert_allclose(left(1), [0.04, *bright[1:] / 2.1], atol=1e-4)
+    np.testing.assert_allclose(left(0.5), (usual + bright / 2.1) / 2, atol=1e-4)
 
 
 def test_without_an_anchor_or_a_card_the_screen_is_kept_to():

@@ -113,3 +113,19 @@ def test_suns_are_added_and_multiplied_with_their_sky():
     both = one * 2 + one
     assert [list(sun.color) for sun in both.suns] == [[2, 4, 6], [1, 2, 3]] and both.color[0] == 3
     assert np.allclose(irradiance.of_picture(np.ones((32, 64, 3)))[0], 1, atol=0.01)
+
+
+def test_planes_tell_sides_apart():
+    """Top as it was, then the side toward the light, across, away, and below."""
+    level = np.array([0.6, -0.8])
+    sides = np.array([[0, 0, 1], [0.6, -0.8, 0], [0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, -1]])
+    light = irradiance.constant(np.array([0.2, 0.3, 0.4]))
+    seen = irradiance.polynomials(sides) @ irradiance.planes(light, level, 0.6) / [0.2, 0.3, 0.4]
+    rise = np.sqrt(0.75)
+    wanted = 1 - 0.6 * (rise - np.array([rise, 0.5, 0, -0.5, -rise])) / (1 + rise)
+    np.testing.assert_allclose(seen, np.repeat(wanted[:, None], 3, 1), rtol=1e-12)
+    # A world that is brighter on one side: each side has its own light, times as much.
+    light[1:4] = np.random.default_rng(1).uniform(-0.1, 0.1, (3, 3))
+    own = irradiance.polynomials(sides) @ light
+    np.testing.assert_allclose(irradiance.polynomials(sides) @ irradiance.planes(light, level, 0.6),
+                               own * wanted[:, None], rtol=1e-12)

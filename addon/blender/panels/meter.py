@@ -28,7 +28,8 @@ class ENCRE_OT_meter(bpy.types.Operator):
 
     def execute(self, context):
         depsgraph = context.evaluated_depsgraph_get()
-        light = lamps.Light(depsgraph, (0.1, 1000), shadowed=properties.settings(context.scene).shadows_world)
+        settings = properties.settings(context.scene)
+        light = lamps.Light(depsgraph, (0.1, 1000), shadowed=settings.shadows_world, planes=settings.planes)
         meshes.extract(depsgraph, False, None, light)
         found = subject.read(depsgraph, None, light)
         if not found.light > 0:

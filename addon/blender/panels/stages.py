@@ -88,7 +88,7 @@ GROUPS = (
         "paper_source", "paper_image", "paper_scale", "paper_roughness", "paper_seed"), (
         Fold("hatch", n_("Pencil Hatching"), stage="hatch"), Fold("relief", n_("Sheet"), stage="relief"))),
     Group("layers", n_("Layers and Quality"), ("layers",),
-          ("layer_source", "light_source", "supersample", "world_shadows"), draw=layers.draw),
+          ("layer_source", "light_source", "supersample", "world_shadows", "world_planes"), draw=layers.draw),
     Group("detectors", n_("Detectors of the Theses"), (), (
         "edge_detector", "edge_threshold", "edge_blur", "depth_space", "depth_near", "depth_far",
         "sobel_crease_threshold", "color_layer", "color_detector", "contrast_metric",

@@ -78,6 +78,8 @@ class _Both:
 
     def __getattr__(self, name):
         if not name.startswith("wants_") and name != "shadows_world":
+            if name == "planes":
+                return max(settings.planes for settings in self.of)
             raise AttributeError(name)
         return any(getattr(settings, name) for settings in self.of)
 

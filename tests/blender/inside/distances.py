@@ -151,6 +151,21 @@ def metered(_out):
     fact("kept", [scene.encre.shade_meter, scene.encre.meter_light, scene.encre.meter_shade])
     world(scene, (0.1, 0.15, 0.15))
     fact("usual", read())
+    from encre.blender import lamps
+
+    def sides(amount):
+        """Light of the world above, toward +X, -X, +Y, -Y and below."""
+        graph = bpy.context.evaluated_depsgraph_get()
+        ways = irradiance.polynomials(np.array([(0.0, 0, 1), (1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, -1)]))
+        return (ways @ lamps.Light(graph, (0.1, 100), planes=amount).world)[:, 0].tolist()
+
+    from encre.pen import irradiance
+
+    fact("even", sides(0.6))
+    bpy.data.objects["One"].rotation_euler = (0, 1.2, 0)  # from +X
+    bpy.context.view_layer.update()
+    fact("from x", sides(0.6))
+    fact("no planes", sides(0.0))
     for name in ("One", "Two"):
         bpy.data.objects.remove(bpy.data.objects[name])
     scene.world.use_nodes = True
@@ -163,7 +178,6 @@ def metered(_out):
     sky.sun_elevation, sky.air_density = 0.5, 4.0
     fact("low", read())
     from encre.blender import skies
-    from encre.pen import irradiance
 
     # What a floor in the shade has of the sky, by the brightest channel.
     up = irradiance.polynomials(np.array([(0.0, 0, 1)])) @ skies.light(scene.world).ambient
