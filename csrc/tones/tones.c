@@ -367,21 +367,28 @@ static void plan(frame *f, arena *a)
 		plan_pictures(f, f->params + i, own.styles ? own.styles[i].picture : NULL, a);
 }
 
-/* What is seen where nothing is: a sky, if any of it has light, for where none has it is not meant as a night; and
- * shadows that were caught. */
+/* What is seen where nothing is: a sky, which is a night if any of it has light, for where none has it is not meant as
+ * one, and less than a quarter is as light as a day: what is dark in a picture of a bright sky, trees and houses, would
+ * be blots; and shadows that were caught. */
 static void look_at_nothing(const frame *f, tone_frame *t)
 {
-	t->night = t->caught = false;
-	for (int y = 0; y < f->height && !(t->night && t->caught); y++) {
+	static const float day = 0.1f;
+	int64_t sky = 0, light = 0;
+	bool any = false;
+	t->caught = false;
+	for (int y = 0; y < f->height; y++) {
 		const float *depth = layer_row(f, ENCRE_LAYER_DEPTH, y), *c = layer_row(f, ENCRE_LAYER_COMBINED, y);
 		const float *d = layer_row(f, ENCRE_LAYER_DIFFUSE, y);
 		for (int x = 0; depth && c && d && x < f->width; x++, c += 4, d += 3) {
-			bool nothing = !(depth_of(depth[x]) < INFINITY);
-			t->night |= nothing && c[3] > tone_film && max3(c[0], c[1], c[2]) > 0;
+			bool nothing = !(depth_of(depth[x]) < INFINITY), seen = nothing && c[3] > tone_film;
+			float bright = max3(c[0], c[1], c[2]);
+			any |= seen && bright > 0;
+			sky += seen;
+			light += seen && bright > day;
 			t->caught |= nothing && max3(d[0], d[1], d[2]) > 0;
 		}
 	}
-	t->night &= !(f->params->tone_sky > 0);
+	t->night = any && 4 * light < sky && !(f->params->tone_sky > 0);
 }
 
 static int32_t prepare(frame *f)

@@ -297,8 +297,9 @@ def _compared(layers, of, spotted=None):
                  & ((_glazed(layers) <= 0.5) | ~itself & (value(layers.gloss) >= 0.7)))
         light = np.where(shows, np.where(nothing, sky, np.maximum(light, lit)), light)
     sky = ~layers.there & (layers.combined[..., 3] > 0.999)
-    night = bool((sky & (value(layers.combined) > 0)).any()) and of("tone_mirrors") and (
-        of("tone_black") > 0 and not of("tone_sky") > 0)
+    bright = value(layers.combined[..., :3])
+    night = bool((sky & (bright > 0)).any()) and 4 * (sky & (bright > 0.1)).sum() < sky.sum() and (
+        of("tone_mirrors") and of("tone_black") > 0 and not of("tone_sky") > 0)
     if night:
         own = lightness(layers.combined[..., :3])
         seen = (own - of("tone_black")) * 2 / of("tone_black")

@@ -21,21 +21,27 @@ def sky(color, **scene):
 
 def test_a_night_is_black_and_its_stars_are_not():
     assert sky([0.02]) == [1] and sky([0.5]) == sky([0.051]) == [0]
-    assert sky([0.02, 0.9, 0.0]) == [1, 0, 1]
+    assert sky([0.02, 0.02, 0.02, 0.9, 0.0]) == [1, 1, 1, 0, 1]
     assert 0.1 < sky([0.037])[0] < 0.9
+
+
+def test_what_is_dark_in_a_bright_sky_is_paper():
+    """As the trees in a picture of a day."""
+    assert sky([0.02, 0.02, 0.9]) == [0, 0, 0] and sky([0.02, 0.02, 0.09]) == [1, 1, 0]
 
 
 def test_where_no_world_is_there_is_paper():
     assert sky([0.0]) == [0] and sky([0.02], tone_mirrors=False) == [0] and sky([0.02], tone_sky=2000.0) == [0]
 
 
-@pytest.mark.parametrize("surface", ["PAPER", "SHADED"])
-def test_twin_of_a_night_and_of_caught_shadows(surface):
+@pytest.mark.parametrize(("surface", "light"), [("PAPER", 0.2), ("SHADED", 0.2), ("PAPER", 0.6)])
+def test_twin_of_a_night_and_of_caught_shadows(surface, light):
     layers = stuck(90, 60, 3)
     rng = np.random.default_rng(3)
     nothing = ~((layers["depth"] > 0) & (layers["depth"] < 1e9)).reshape(60, 90)
     assert nothing.mean() > 0.1
-    layers["combined"][nothing, :3] = rng.choice([0, 0.05, 0.12, 0.14, 0.9], (nothing.sum(), 1))
+    layers["combined"][nothing, :3] = rng.choice([0, 0.05, 0.12, 0.14, 0.9], (nothing.sum(), 1),
+                                                 p=[(1 - light) / 2] * 2 + [light / 3] * 3)
     layers["combined"][nothing, 3] = rng.choice([0.5, 1], nothing.sum())
     layers["color"][nothing] = 0
     layers["diffuse"][nothing & (rng.random((60, 90)) < 0.5)] = 0
