@@ -40,7 +40,7 @@ static void kind_run(const frame *f, const encre_params *p, int y, int x, int n,
 	for (int i = 0; i < n; i++, color += 3, albedo += 3) {
 		bool there = depth_of(depth[i]) < INFINITY;
 		bool is_dark = luminance(albedo[0], albedo[1], albedo[2]) < dark_below;
-		float own = tone_lightness(p, color[0], color[1], color[2]);
+		float own = tone_looks(p, color[0], color[1], color[2]);
 		int dark = own < pupil * black ? BLACKEST : own < black ? BLACK : DARK;
 		kind[i] = (uint8_t)(there && is_dark ? dark : LIGHT);
 	}

@@ -199,8 +199,7 @@ void ISA(tone_light)(const frame *f, const encre_params *p, int y, int x, int n,
 		float mirrored = glazed[i] * clamp01(tone_lightness(p, r, g, b));
 		rest[i] = max3(r, g, b);
 		float own_black = seen ? black * left[i] : black, own_dark = seen ? dark * left[i] : dark;
-		float own_bright = spotted ? tone_lightness(p, a[0][i], a[1][i], a[2][i])
-					   : tone_looks(p, a[0][i], a[1][i], a[2][i]);
+		float own_bright = tone_looks(p, a[0][i], a[1][i], a[2][i]);
 		own_black = spotted && !spotted[i] ? 0 : own_black;
 		float share = ISA(tone_counts_as)(p, own_bright, a[0][i], a[1][i], a[2][i], own_black, own_dark);
 		lit = light_left(lit, share, own_bright, mirrored, p->tone_form, own.end);

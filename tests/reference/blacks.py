@@ -47,14 +47,14 @@ def _shapes(inside, depth):
     return away, (wide * 2 / 3)[labels], far[labels], (4 * cut < ends)[labels]
 
 
-def spotted(layers, params, lightness):
-    """lightness: of a style, how light colors are."""
+def spotted(layers, params, looking):
+    """looking: of a style, how light colors look."""
     widest = params["tone_black_widest"] * params.pixels(layers.full_height)
     if not widest > 0:
         return np.ones(layers.depth.shape, bool)
     kind, depth = np.zeros(layers.depth.shape, int), np.where(layers.there, layers.depth, np.inf)
     for number, table in enumerate(params.tables):
-        own, black = lightness(table.__getitem__)(layers.color), table["tone_black"] if table["use_tones"] else 0
+        own, black = looking(table.__getitem__, layers.color), table["tone_black"] if table["use_tones"] else 0
         kind = np.where(layers.style == number, np.select([own < PUPIL * black, own < black], [BLACKEST, BLACK], DARK),
                         kind)
     dark = layers.albedo @ np.array([0.2126, 0.7152, 0.0722]) < DARK_BELOW

@@ -271,7 +271,7 @@ def _compared(layers, of, spotted=None):
         told = np.maximum(formed, np.minimum(own, end))  # nothing gets solid
         return np.where((left < 1) & (lit > 0), told, lit)
 
-    own, black = (_looking(of, layers.color) if spotted is None else lightness(layers.color)), of("tone_black") * left
+    own, black = _looking(of, layers.color), of("tone_black") * left
     mirrored = clamp01(lightness(other(layers))) * _glazed(layers)
     black = black if spotted is None else np.where(spotted, black, 0)
     lit = kept(lit, _counted(of, layers.color, own, black, of("tone_dark") * left), own, mirrored)
@@ -526,7 +526,7 @@ def fill(layers, params, surface, paper):
     clear = ~layers.there & (value(layers.diffuse) > 0) & (drawn[..., 3] < 1) & (params["surface"] == "PAPER")
     scale = params.pixels(layers.full_height)
     keep = cleared.kept(layers, params)
-    spotted = blacks.spotted(layers, params, _lightness) if params["tone_black_widest"] > 0 else None
+    spotted = blacks.spotted(layers, params, _looking) if params["tone_black_widest"] > 0 else None
     opened = _opened(layers, params, spotted)
     rooms = _rooms(layers, params, keep, scale, spotted, opened)
     for number, table in enumerate(params.tables):

@@ -56,6 +56,15 @@ def test_in_a_brown_iris_that_is_too_wide_the_pupil_is_black():
     assert drawn[pupil].all() and not drawn[eye & ~pupil].any()
 
 
+def test_dark_skin_is_no_small_black():
+    """As dark as the eye has it as the gray beside it, which is one."""
+    layers = shaded(100, 100)
+    face, patch = disc(30, 30, 5), disc(70, 70, 5)
+    layers["color"][face], layers["color"][patch] = (0.09, 0.04, 0.025), 0.0486
+    drawn = ink(layers)
+    assert drawn[patch].all() and not drawn[face].any()
+
+
 def test_light_does_not_matter_but_highlights_stay():
     layers = shaded(100, 100, light=0.0)
     eye = disc(50, 50, 5)
