@@ -261,8 +261,11 @@ void ISA(canvas_open)(canvas *c, int y, uint64_t blocks)
 			memset(c->laid + at, 0, bytes);
 			memset(c->darkest + at, 0, bytes);
 		}
-		if (c->more)
+		if (c->more) {
+			memset(c->way_x + at, 0, bytes);
+			memset(c->way_y + at, 0, bytes);
 			memset(c->more + at, 0, bytes);
+		}
 		if (inside < size) {
 			memset(c->grain + at, 0, bytes);
 			memset(c->depth + at, 0, bytes);
