@@ -2,6 +2,7 @@
 """Who may know whom: the arrows between the rooms of the house go one way."""
 
 import ast
+import json
 import re
 from pathlib import Path
 
@@ -141,3 +142,16 @@ def test_no_two_cases_of_blender_have_one_name():
         tree = ast.parse((inside / f"{topic}.py").read_text(encoding="utf-8"))
         names += [each.name for each in tree.body if isinstance(each, ast.FunctionDef)]
     assert sorted({name for name in names if names.count(name) > 1 and name[0] != "_"}) == []
+
+
+def test_no_preset_or_language_names_a_thing_twice():
+    """Of two the later one would count in silence."""
+    def once(pairs):
+        names = [name for name, _ in pairs]
+        assert sorted({name for name in names if names.count(name) > 1}) == []
+        return dict(pairs)
+
+    files = sorted(ADDON.rglob("*.json"))
+    assert len(files) > 20
+    for path in files:
+        json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=once)
