@@ -151,7 +151,7 @@ static void open_rows(void *data, int y0, int y1, int thread)
 	for (int y = y0; y < y1 && !bands_stopped(f->bands); y++) {
 		const float *normal = layer_row(f, ENCRE_LAYER_NORMAL, y), *color = layer_row(f, ENCRE_LAYER_COLOR, y);
 		float *open = w->t->opening + (ptrdiff_t)y * f->width;
-		const tone_thing *thing = NULL;
+		tone_thing *thing = NULL;
 		for (int x = 0; x < f->width; x++) {
 			const encre_params *p = params_at(f, x, y);
 			const float *n = normal + (ptrdiff_t)3 * x;
@@ -159,7 +159,7 @@ static void open_rows(void *data, int y0, int y1, int thread)
 			open[x] = 0;
 			if (!part_of(w, x, y) || !(square > 1e-12f && square < 1e12f))
 				continue;
-			thing = thing_at(w, x, y, (tone_thing *)thing);
+			thing = thing_at(w, x, y, thing);
 			if (!thing)
 				continue;
 			uint16_t shade = w->shade[(size_t)y * (size_t)f->width + (size_t)x];

@@ -77,11 +77,9 @@ class _Both:
         return {chosen: pixels for settings in self.of for chosen, pixels in settings.load(read).items()}
 
     def __getattr__(self, name):
-        if not name.startswith("wants_") and name != "shadows_world":
-            if name == "planes":
-                return max(settings.planes for settings in self.of)
+        if not name.startswith("wants_") and name not in ("shadows_world", "planes"):
             raise AttributeError(name)
-        return any(getattr(settings, name) for settings in self.of)
+        return max(getattr(settings, name) for settings in self.of)
 
 
 @dataclass(frozen=True)
