@@ -239,7 +239,7 @@ class Settings:
             if values["use_rim"]:
                 most = max(most, values["rim_width"] + 2)
             if values["use_tones"]:
-                most = max(most, 4 * scene["tone_detail"])
+                most = max(most, 4 * max(scene["tone_detail"], scene["tone_crumbs"]))
         if scene["contrast_local"] and self.any("line_color_strength"):
             most += scene["contrast_window"] / 2
         if self.any("line_suggestive_strength"):  # blurred light, the room beside a valley, and all of what is short

@@ -174,7 +174,11 @@ bool ISA(tone_caught)(const frame *f, int y, int x, int n, bool *caught)
  * there: INFINITY. */
 void ISA(tone_light)(const frame *f, const encre_params *p, int y, int x, int n, float *restrict light)
 {
-	const float *controls = controls_at(f, x, y);
+	const float *settled = ((const tone_frame *)f->tones)->settled, *controls = controls_at(f, x, y);
+	if (settled) {
+		memcpy(light, settled + (ptrdiff_t)y * f->width + x, (size_t)n * sizeof *light);
+		return;
+	}
 	float e[4][TONE_CHUNK], a[3][TONE_CHUNK], d[3][TONE_CHUNK], painted[TONE_CHUNK] = {0}, rest[TONE_CHUNK];
 	float glazed[TONE_CHUNK] = {0}, left[TONE_CHUNK];
 	metering m = metering_of(f, p);
@@ -220,15 +224,23 @@ void ISA(tone_light)(const frame *f, const encre_params *p, int y, int x, int n,
 /* How the light passes a threshold: never, in one step, or by and by. */
 enum { ALL, STEP, SLOPE };
 
-KERNEL float past(float x, const int how, float threshold, float rate, float steep)
+KERNEL float past(float x, const int how, float threshold, float rate, float steep, float least, float most)
 {
 	if (how == SLOPE)
 		return clamp01((x - threshold) * rate + 0.5f);
-	return how != STEP ? 0 : step_passed(x, threshold, steep);
+	float share = step_passed(x, threshold, steep);
+	share = most < threshold ? 0 : share;
+	return how != STEP ? 0 : least > threshold ? 1 : share;
 }
 
-static void steep_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict light,
-		      float *restrict steep)
+/* How steep the edges of steps are at n pixels, and the least and most light of each and the four beside it: where all
+ * are on one side of a step it has no edge, however much they differ, or dusk between blacks would be gray specks. */
+typedef struct edges_of {
+	float steep[TONE_CHUNK], least[TONE_CHUNK], most[TONE_CHUNK];
+} edges_of;
+
+static void edge_row(const frame *f, const encre_params *p, int y, int x, int n, const float *restrict light,
+		     edges_of *e)
 {
 	float above[TONE_CHUNK], below[TONE_CHUNK], row[TONE_CHUNK + 2];
 	ISA(tone_light)(f, p, step_beside(y, -1, f->height), x, n, above);
@@ -243,9 +255,12 @@ static void steep_row(const frame *f, const encre_params *p, int y, int x, int n
 		above[i] = positive(above[i]);
 		below[i] = positive(below[i]);
 	}
-	for (int i = 0; i < n; i++)
-		steep[i] = step_steepness(step_differs(row[i], row[i + 1], row[i + 2]),
-					  step_differs(above[i], row[i + 1], below[i]));
+	for (int i = 0; i < n; i++) {
+		e->steep[i] = step_steepness(step_differs(row[i], row[i + 1], row[i + 2]),
+					     step_differs(above[i], row[i + 1], below[i]));
+		e->least[i] = min(min(min(row[i], row[i + 1]), row[i + 2]), min(above[i], below[i]));
+		e->most[i] = max(max(max(row[i], row[i + 1]), row[i + 2]), max(above[i], below[i]));
+	}
 }
 
 typedef struct band_of_light {
@@ -254,12 +269,13 @@ typedef struct band_of_light {
 } band_of_light;
 
 KERNEL void want_band(const band_of_light *b, const int enters, const int leaves, int n, const float *restrict light,
-		      const float *restrict steep, const float *restrict added, float *restrict share,
+		      const edges_of *restrict edges, const float *restrict added, float *restrict share,
 		      float *restrict sum)
 {
 	for (int i = 0; i < n; i++) {
-		float x = light[i], entered = enters == ALL ? 1 : past(x, enters, b->in, b->in_rate, steep[i]);
-		float here = positive(entered - past(x, leaves, b->out, b->out_rate, steep[i]));
+		float x = light[i], steep = edges->steep[i], least = edges->least[i], most = edges->most[i];
+		float entered = enters == ALL ? 1 : past(x, enters, b->in, b->in_rate, steep, least, most);
+		float here = positive(entered - past(x, leaves, b->out, b->out_rate, steep, least, most));
 		share[i] += here;
 		sum[i] += here * clamp01(b->base - b->fall * clamp01((x - b->start) * b->along) + added[i]);
 	}
@@ -271,7 +287,7 @@ static bool is_step(const encre_level *l)
 }
 
 static void want_level(const encre_params *p, int level, float gradient, int n, const float *restrict light,
-		       const float *restrict steep, const float *restrict added, float *restrict share,
+		       const edges_of *restrict edges, const float *restrict added, float *restrict share,
 		       float *restrict sum)
 {
 	const encre_level *own = p->shade_levels.level + level, *next = own + 1;
@@ -291,7 +307,7 @@ static void want_level(const encre_params *p, int level, float gradient, int n, 
 	};
 #define CASE(in, out)                                                                                                  \
 	if (enters == in && leaves == out)                                                                             \
-		want_band(&b, in, out, n, light, steep, added, share, sum);
+		want_band(&b, in, out, n, light, edges, added, share, sum);
 	CASE(ALL, ALL)
 	CASE(ALL, STEP)
 	CASE(ALL, SLOPE)
@@ -363,16 +379,19 @@ static void want_blacks(const frame *f, const encre_params *p, const tone_slot *
 
 void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slots, int y, int x, int n, tone_wanted *w)
 {
-	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK], steep[TONE_CHUNK];
+	float light[TONE_CHUNK] = {0}, added[TONE_CHUNK], none[TONE_CHUNK];
+	edges_of edges;
 	bool steps = false;
 	const float *controls = controls_at(f, x, y), *depth = layer_row(f, ENCRE_LAYER_DEPTH, y) + x;
 	ISA(tone_light)(f, p, y, x, n, light);
 	for (int level = 1; level < p->shade_levels.count; level++)
 		steps |= is_step(p->shade_levels.level + level) && !p->tone_crisp;
-	for (int i = 0; i < n; i++)
-		steep[i] = 0;
+	for (int i = 0; i < n; i++) {
+		edges.steep[i] = 0;
+		edges.least[i] = edges.most[i] = light[i];
+	}
 	if (steps)
-		steep_row(f, p, y, x, n, light, steep);
+		edge_row(f, p, y, x, n, light, &edges);
 	for (int i = 0; i < n; i++)
 		added[i] = none[i] = 0;
 	for (int i = 0; controls && i < n; i++)
@@ -389,7 +408,7 @@ void ISA(tone_want)(const frame *f, const encre_params *p, const tone_slot *slot
 			memset(w->dark[k], 0, (size_t)n * sizeof *w->dark[k]);
 		}
 		w->any[k] = true;
-		want_level(p, level, own->gradient, n, light, steep, own->kind == tone_1_GRAIN ? none : added,
+		want_level(p, level, own->gradient, n, light, &edges, own->kind == tone_1_GRAIN ? none : added,
 			   w->share[k], w->dark[k]);
 	}
 	if (tone_spots_small(f))

@@ -325,7 +325,7 @@ static bool opens(const frame *f)
 
 static bool works(const frame *f)
 {
-	return marked(f) || opens(f) || tone_fitted(f) || tone_spots_small(f);
+	return marked(f) || opens(f) || tone_joins(f) || tone_fitted(f) || tone_spots_small(f);
 }
 
 enum { WANTED = 1 << 15 /* tiles of points that find a place at once */ };
@@ -342,6 +342,7 @@ static void plan(frame *f, arena *a)
 		own.opening = arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *own.opening);
 		own.things = arena_take(a, TONE_THINGS, sizeof *own.things);
 	}
+	own.settling = tone_joins(f) ? arena_take(a, (size_t)f->width * (size_t)f->height, sizeof *own.settling) : NULL;
 	own.spotted = tone_spots_small(f) ? arena_take(a, (size_t)f->width * (size_t)f->height, 1) : NULL;
 	ISA(tone_detail_plan)(f, &own.detail, a);
 	if (marked(f)) {
@@ -394,8 +395,10 @@ static void look_at_nothing(const frame *f, tone_frame *t)
 static int32_t prepare(frame *f)
 {
 	tone_frame *t = f->tones;
-	if (t)
+	if (t) {
+		t->settled = NULL; /* of the frame before */
 		look_at_nothing(f, t);
+	}
 	for (int i = 0; i < f->n_styles && t; i++)
 		if (f->params[i].use_tones)
 			ISA(tone_style_fill)(f, f->params + i, t->styles + i);
@@ -412,7 +415,7 @@ static int32_t prepare(frame *f)
 /* Whether strokes are told by layers of their pixels alone, without what is clear of them and how whole things lie. */
 static bool looks_first(const tone_frame *t)
 {
-	return t && t->marks && !t->detail.keep && !t->spotted && !t->opening && !t->marks->turns;
+	return t && t->marks && !t->detail.keep && !t->spotted && !t->opening && !t->settling && !t->marks->turns;
 }
 
 static void first_rows(void *data, int y0, int y1, int thread)
@@ -429,6 +432,8 @@ static int32_t run(frame *f)
 	int32_t code = t && t->spotted ? ISA(tone_blacks_run)(f, t->spotted) : ENCRE_OK;
 	if (!code && t && t->opening)
 		code = ISA(tone_open_run)(f, t);
+	if (!code && t && t->settling)
+		code = ISA(tone_crumbs_run)(f, t);
 	if (!code && t && t->detail.keep)
 		code = ISA(tone_detail_run)(f, &t->detail);
 	if (!code && t && t->detail.room)

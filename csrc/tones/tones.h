@@ -152,6 +152,8 @@ typedef struct tone_frame {
 	float *open;        /* by pixel, the least light that it has in the dark; NULL: nothing is left open, yet */
 	float *opening;     /* room for that; NULL: nothing is ever */
 	tone_thing *things; /* TONE_THINGS; NULL likewise */
+	float *settled;     /* by pixel, its light without crumbs; NULL: these are not known, yet, or stay */
+	float *settling;    /* room for that; NULL: they stay */
 } tone_frame;
 
 /* tones.c: the coordinates of a slot's dots, spots and strokes; on the screen without `rest`. */
@@ -175,6 +177,9 @@ int32_t ISA(tone_blacks_run)(frame *f, uint8_t *spotted);
 
 /* open.c: fills it. */
 int32_t ISA(tone_open_run)(frame *f, tone_frame *t);
+
+/* crumbs.c: fills `settled`. */
+int32_t ISA(tone_crumbs_run)(frame *f, tone_frame *t);
 
 /* dark.c */
 /* How much of the light a color that looks so bright has, by how far it is from black to dark. */
@@ -251,6 +256,12 @@ static inline bool tone_flat(const tone_slot *s)
 static inline bool tone_spots_small(const frame *f)
 {
 	return f->any.use_tones && f->params->tone_black_widest > 0;
+}
+
+/* Whether crumbs of ink and light join what is around them. */
+static inline bool tone_joins(const frame *f)
+{
+	return f->any.use_tones && f->params->tone_crumbs > 0;
 }
 
 /* What is compared with tone_black. */

@@ -13,6 +13,7 @@ ENUM(tone_black_by, SURFACE, 0, "use_tones", "Blacks By", "How the darkness of a
      ITEM(tone_black_by, LUMINANCE, 1, "Luminance", "As the eye sees it: navy is as dark as a dark gray"))
 FLOAT(tone_local, SURFACE, 0, 0, 1, 0, 1, "factor", "use_tones", "Local Values", "How much light colors keep out of the darkest level. 1: white does so down to half of the light")
 FLOAT(tone_open, SURFACE, 0, 0, 4, 0, 2, "factor", "use_tones", "Light in the Dark", "How much of things that hardly any light reaches stays open, instead of filled as the darkest level: light colors that turn to the upper left, as on faces. 0: nothing")
+FLOAT(tone_crumbs, FRAME, 0, 0, 4096, 0, 20, "px", "use_tones", "Join Crumbs", "Islands of solid ink, and of light in it, that are no larger than a square of this size join what is around them, but for what has a color of its own, as pupils. 0: all stay")
 BOOL(tone_mirrors, SURFACE, 0, "use_tones", "Through Mirrors", "Give what mirrors and clear glass show its own tones, and no tones where they show the sky")
 FLOAT(tone_sky, FRAME, 0, 0, FLT_MAX, 0, 4, "", "use_tones&tone_mirrors", "Sky", "How much the sky's own brightness counts as light. 1: as bright as it is; more is lighter. 0: bare paper, or black where it is darker than Spotted Blacks")
 FLOAT(tone_detail, FRAME, 0, 0, 4096, 0, 40, "px", "use_tones", "Clear Detail", "Keep tones off letters, eyes and bars whose strokes are no wider than this. 0: tones go over everything")

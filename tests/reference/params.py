@@ -86,6 +86,7 @@ DEFAULTS = {
     "paper_seed": 0,
     # tones
     "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_reds": 0.0, "tone_form": 0.0,
+    "tone_crumbs": 0.0,
     "tone_black_by": "VALUE", "tone_local": 0.0, "tone_open": 0.0, "tone_mirrors": False, "tone_sky": 0.0,
     "tone_detail": 0.0, "tone_least": 0.0, "tone_black_widest": 0.0, "tone_crisp": False, "tone_pitch_unit": "LENGTH",
     "tone_strokes": "FORM", "tone_light_direction": 135.0, "tone_light_height": 45.0,
@@ -124,7 +125,7 @@ _CREASES = {"flush_pieces", "crease_angle", "crease_angle_smooth", "crease_bumps
 _PARTS = {"light_hue", "other_highlights", "other_reflections", "other_glow", "reflection_tones", "highlight_shape",
           "highlight_threshold", "highlight_color"}
 _FRAMES = {"shade_meter", "meter_light", "meter_shade", "tone_sky", "tone_detail", "tone_least", "tone_black_widest",
-           "line_search",
+           "tone_crumbs", "line_search",
            "line_thickest", "line_occlude",
            "wash_size", "wash_paper", "wash_seed", "gouache_size"}
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import blacks, cleared, hatch, scatter, stipple
+from . import blacks, cleared, crumbs, hatch, scatter, stipple
 from .metric import clamp01, mix, value
 from .shade import metered, other, painted, passed, steepness
 from .tiles import pictured, thresholds
@@ -343,19 +343,56 @@ def _opened(layers, params, spotted):
     return np.where(part, np.minimum(begins * turned * light * np.maximum(1 - 3 * less, 0) / 0.145, most), 0)
 
 
-def _dark(layers, levels, of, look, spotted=None, opened=0):
-    """(share, darkness) of a tone at each pixel."""
+def _lit(layers, of, spotted, opened):
     light, caught, night = _compared(layers, of, spotted)
-    light = np.where(light >= 0, np.maximum(light, opened), light)
+    return np.where(light >= 0, np.maximum(light, opened), light), caught, night
+
+
+def _beside(light):
+    """The least and the most of each pixel and the four beside it."""
+    around = np.pad(light, 1, mode="edge")
+    every = np.stack([light, around[:-2, 1:-1], around[2:, 1:-1], around[1:-1, :-2], around[1:-1, 2:]])
+    return every.min(0), every.max(0)
+
+
+def _settled(layers, params, spotted, opened):
+    """(the light of all pixels without crumbs, what is spotted then); None where crumbs stay."""
+    size = params["tone_crumbs"] * params.pixels(layers.full_height)
+    if not size:
+        return None, spotted
+    light, begins, inks = (np.zeros(layers.depth.shape) for _ in range(3))
+    ends = np.zeros(light.shape)
+    for number, table in enumerate(params.tables):
+        of, own, levels = table.__getitem__, layers.style == number, table["shade_levels"]
+        solid = of("use_tones") and len(levels) > 1 and (spotted is not None or of("tone_1") == "SOLID")
+        light[own], inks[own] = _lit(layers, of, spotted, opened)[0][own], solid
+        begins[own] = levels[1][1] if solid else 0
+        ends[own] = levels[1][1] + max(levels[1][2] / 2, 1e-3) if solid else 0
+    ink = light < begins if spotted is None else spotted & (light < 0)
+    return crumbs.settled(layers, light, np.where(inks > 0, 1 + ink, 0), ends, size, spotted)
+
+
+def _dark(layers, levels, of, look, spotted=None, opened=0, settled=None):
+    """(share, darkness) of a tone at each pixel."""
+    light, caught, night = _lit(layers, of, spotted, opened)
+    light = light if settled is None else settled
     added = 0.0 if look[0] == "GRAIN" else layers.controls["hatching"]
-    steep = 0 if of("tone_crisp") else steepness(np.clip(light, None if spotted is None else 0, 1e6))
+    clipped = np.clip(light, None if spotted is None else 0, np.inf)
+    steep = 0 if of("tone_crisp") else steepness(np.clip(clipped, None, 1e6))
+    least, most = (light, light) if of("tone_crisp") else _beside(clipped)
+
+    def past(threshold, transition):
+        share = passed(light, threshold, transition, steep)
+        if transition > 1e-30:
+            return share
+        return np.where(least > threshold, 1, np.where(most < threshold, 0, share))
+
     share, total = np.zeros(light.shape), np.zeros(light.shape)
     for k, level in enumerate(levels):
         if _looks(of)[min(k + (spotted is not None), SLOTS - 1)] != look:
             continue
 
-        here = (passed(light, *level[1:3], steep) if k else 1.0) - (
-            passed(light, *levels[k + 1][1:3], steep) if k < len(levels) - 1 else 0.0)
+        here = (past(*level[1:3]) if k else 1.0) - (past(*levels[k + 1][1:3]) if k < len(levels) - 1 else 0.0)
         here = np.maximum(here, 0) * np.ones(light.shape)
         brighter = level[0]
         if k < len(levels) - 1:
@@ -488,7 +525,7 @@ def _pitch(of, look, layers, scale):
     return pitch, c, s
 
 
-def _rooms(layers, params, keep, scale, spotted, opened):
+def _rooms(layers, params, keep, scale, spotted, opened, settled):
     """What screens have at each pixel."""
     if not params["tone_least"] > 0:
         return np.ones(keep[0].shape), 0
@@ -503,7 +540,7 @@ def _rooms(layers, params, keep, scale, spotted, opened):
                     default=0)
         radius = np.where(own, min(0.5 * params["tone_least"] * pitch, 60), radius)
         for look in {look for look, is_one in zip(looks, screen, strict=True) if is_one or look[0] == "SOLID"}:
-            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted, opened), look[0], keep)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted, opened, settled), look[0], keep)
             (solid if look[0] == "SOLID" else screens)[own] += np.where(dark > 0, share, 0)[own]
     return cleared.rooms(layers, screens, solid, np.minimum(keep[0], keep[1]) < 0.5, keep[2], radius)
 
@@ -528,7 +565,8 @@ def fill(layers, params, surface, paper):
     keep = cleared.kept(layers, params)
     spotted = blacks.spotted(layers, params, _looking) if params["tone_black_widest"] > 0 else None
     opened = _opened(layers, params, spotted)
-    rooms = _rooms(layers, params, keep, scale, spotted, opened)
+    settled, spotted = _settled(layers, params, spotted, opened)
+    rooms = _rooms(layers, params, keep, scale, spotted, opened, settled)
     for number, table in enumerate(params.tables):
         of, own = table.__getitem__, layers.style == number
         if not of("use_tones"):
@@ -538,7 +576,7 @@ def fill(layers, params, surface, paper):
         for k, look in reversed(list(enumerate(looks))):
             if look[0] == "NONE" or look in looks[:k]:
                 continue
-            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted, opened), look[0], keep)
+            share, dark = _eased(*_dark(layers, of("shade_levels"), of, look, spotted, opened, settled), look[0], keep)
             if not (dark > 0).any():
                 continue
             if look[0] in ("HATCH", "STIPPLE"):
