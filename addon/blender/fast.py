@@ -57,16 +57,18 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         notes.append(f"in their viewport color, as only Cycles can show them: {', '.join(unknown)}")
     world = filters.world(depsgraph)
     try:
-        sky = skies.seen(world)
+        sky, photographed = skies.seen(world), settings.sky_colors > 0 and skies.photographed(world)
     except trees.Unknown as e:
-        sky = Sky(np.array(world.color))
+        sky, photographed = Sky(np.array(world.color)), False
         notes.append(f"the world in its viewport color, as only Cycles can show its node {e}")
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     foggy, unread = volumes.fogs(depsgraph, light.mean)
     if unread:
         notes.append(f"not shown, as only Cycles can show it: what fills {', '.join(unread)}")
     made = looks.programs(objects.materials, objects.things, first, objects.flat)
-    return Scene(objects, light, made, sky * light.exposure, scene.render.film_transparent,
+    sky *= light.exposure
+    backdrop = kept.light.backdrops.of(sky, settings.sky_colors) if photographed else sky
+    return Scene(objects, light, made, sky, backdrop, scene.render.film_transparent,
                  subject.read(depsgraph, camera, light), clip, notes, first > 0,
                  first + looks.channels(objects.materials), looks.through(objects.materials),
                  looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials),

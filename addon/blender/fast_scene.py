@@ -6,6 +6,7 @@ import dataclasses
 import numpy as np
 
 from ..pen import abi, background, chains, library, overlay
+from ..pen.backdrop import Backdrop
 from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import directions
@@ -46,9 +47,10 @@ def _facing(normal, looks):
 class Scene:
     """What is drawn from: nothing of it is Blender's, so that it stays whatever becomes of the depsgraph."""
 
-    def __init__(self, objects, light, made, sky, transparent, about, clip, notes, painted, channels, through, shines,
-                 turned, holes, lit, told, first, looked, fogs=()):
+    def __init__(self, objects, light, made, sky, backdrop, transparent, about, clip, notes, painted, channels, through,
+                 shines, turned, holes, lit, told, first, looked, fogs=()):
         self.objects, self.light, self.materials, self.sky, self.clip = objects, light, made, sky, clip
+        self.backdrop = backdrop  # the sky where nothing is in front of it
         self.transparent, self.subject = transparent, about
         self.notes = notes  # sentences about what is missing
         self.painted = painted  # whether the first attributes are controls
@@ -351,7 +353,8 @@ class Scene:
     def same(self, other):
         """Whether another Scene looks the same from everywhere."""
         return all(_same(getattr(self, name), getattr(other, name)) for name in
-                   ("materials", "sky", "transparent", "subject", "objects", "fogs")) and self.light.same(other.light)
+                   ("materials", "sky", "backdrop", "transparent", "subject", "objects", "fogs")
+                   ) and self.light.same(other.light)
 
     def _gloss(self, layers, normal, mirrors, roughness, view, projection, frame, flat):
         """Adds what is reflected: of things it is known in flat mirrors alone, so other smooth surfaces reflect the
@@ -383,13 +386,14 @@ class Scene:
         if self.transparent:
             combined[where] = 0
         else:
-            if self.sky.pictures:
+            if isinstance(self.backdrop, Backdrop) or self.backdrop.pictures:
                 pixels = np.flatnonzero(where)
-                combined.reshape(-1, 4)[pixels, :3] = self.sky.seen(view, projection, frame, pixels, where.shape[1])
+                seen = self.backdrop.seen(view, projection, frame, pixels, where.shape[1])
+                combined.reshape(-1, 4)[pixels, :3] = seen
                 np.copyto(combined[..., 3], 1, where=where)
             else:
                 # A pixel is copied as a whole: four channels one by one take three times as long.
-                one = np.array((*self.sky.color, 1), np.float32).view(np.complex128)
+                one = np.array((*self.backdrop.color, 1), np.float32).view(np.complex128)
                 np.copyto(combined.view(np.complex128)[..., 0], one[0], where=where)
         if self.objects.clear.any():  # light that is looked through
             combined[where, :3] += glow[where]

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from ..pen.backdrop import Backdrops
 from ..pen.irradiance import planes as planes_of
 from ..pen.irradiance import polynomials
 from ..pen.job import EVERY_SET, Bend, Lamp
@@ -37,6 +38,7 @@ class Kept:
     placed: int = 0                               # instances in the scene
     lamps: int = 0
     images: pictures.Images = field(default_factory=pictures.Images)
+    backdrops: Backdrops = field(default_factory=Backdrops)
 
 
 _between = {}  # (scene, view layer) -> Kept, from one frame to the next

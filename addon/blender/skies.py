@@ -45,6 +45,12 @@ def seen(world):
     return _world(world, "camera", worlds.SEEN)
 
 
+def photographed(world):
+    """Whether an evaluated world looks into images anywhere. What a Sky Texture or a ramp draws is even already."""
+    return world is not None and any(node.bl_idname in ("ShaderNodeTexEnvironment", "ShaderNodeTexImage")
+                                     for node in trees.nodes_of(world))
+
+
 def _world(world, asked, ray):
     """The Sky of a world; asked: the visibility that counts."""
     if world is None or not getattr(getattr(world, "cycles_visibility", None), asked, True):

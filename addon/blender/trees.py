@@ -17,7 +17,7 @@ class Unknown(Exception):
 
 
 def nodes_of(material):
-    """All nodes of a material, those of groups too, each group once."""
+    """All nodes of a material or a world, those of groups too, each group once."""
     todo, known = [material.node_tree if material.use_nodes else None], set()
     while todo:
         tree = todo.pop()

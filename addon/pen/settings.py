@@ -176,6 +176,11 @@ class Settings:
         return tuple(values["flat_colors"] for values in self.every)
 
     @cached_property
+    def sky_colors(self) -> int:
+        """In how many flat colors at most a picture of the sky is seen; 0: as it is."""
+        return self.every[0]["sky_colors"]
+
+    @cached_property
     def draws_light(self) -> bool:
         """Whether light is to be drawn where there is a scene to draw it from."""
         return self.every[0]["light_source"] == "DRAWN" and self.active

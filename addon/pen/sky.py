@@ -56,15 +56,22 @@ def directions(view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: n
     return (ray / np.linalg.norm(ray, axis=1, keepdims=True)) @ view[:3, :3]
 
 
-def looked_up(picture: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """(n, 3) of an equirectangular picture in directions (n, 3) of length 1: between the four nearest texels; round the
-    horizon the picture closes."""
-    height, width = picture.shape[:2]
+def places(direction: np.ndarray, height: int, width: int) -> tuple[tuple, tuple, np.ndarray]:
+    """Where directions (n, 3) of length 1 lie in an equirectangular picture: (two rows, two columns) of the texels
+    about them, (down, right) between these from 0 to 1, and the cosine of how high they are. Round the horizon it
+    closes."""
+    level = np.hypot(direction[:, 0], direction[:, 1])
     x = (0.5 - np.arctan2(direction[:, 1], direction[:, 0]) / (2 * np.pi)) * width - 0.5
     y = np.arccos(np.clip(direction[:, 2], -1, 1)) / np.pi * height - 0.5
     left, top = np.floor(x), np.clip(np.floor(y), 0, height - 1)
-    right, down = (x - left)[:, None].astype(np.float32), np.clip(y - top, 0, 1)[:, None].astype(np.float32)
-    columns = [(left + k).astype(np.intp) % width for k in (0, 1)]
-    rows = [np.minimum(top + k, height - 1).astype(np.intp) for k in (0, 1)]
+    columns = tuple((left + k).astype(np.intp) % width for k in (0, 1))
+    rows = tuple(np.minimum(top + k, height - 1).astype(np.intp) for k in (0, 1))
+    return (rows, columns), (np.clip(y - top, 0, 1).astype(np.float32), (x - left).astype(np.float32)), level
+
+
+def looked_up(picture: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """(n, 3) of an equirectangular picture in directions (n, 3) of length 1: between the four nearest texels."""
+    (rows, columns), (down, right), _ = places(direction, *picture.shape[:2])
+    down, right = down[:, None], right[:, None]
     upper, lower = (picture[row, columns[0]] * (1 - right) + picture[row, columns[1]] * right for row in rows)
     return upper * (1 - down) + lower * down

@@ -97,6 +97,16 @@ def test_nothing_behind(shots):
     assert ((alpha[..., 3] == 0) == (depth[..., 0] >= 1e9)).all() and (alpha[..., 3] == 0).any()
 
 
+def test_a_photograph_behind_things_is_flat_shapes_and_their_light_the_same(render):
+    shot = render("photograph_behind")
+    flat, whole = (shot.passes(name) for name in ("flat", "whole"))
+    behind = flat["Depth"][..., 0] >= 1e9
+    counts = (np.unique(p["Encre Source"][behind].round(3), axis=0, return_counts=True)[1] for p in (flat, whole))
+    few, many = (np.sort(count)[-3:].sum() / behind.sum() for count in counts)  # what three colors cover
+    assert behind.mean() > 0.1 and few > 0.9 > 0.5 > many
+    np.testing.assert_array_equal(flat["Encre Source"][~behind], whole["Encre Source"][~behind])
+
+
 def test_flat_mirrors_show_what_stands_before_them(render):
     shot = render("flat_mirror")
     ours, theirs, glass = (shot.passes(name) for name in ("encre", "cycles", "glass"))

@@ -80,7 +80,7 @@ GROUPS = (
     Group("tones", n_("Tones (Screentone)"), (), (), (
         Fold("all_tones", n_("All Tones"), stage="tones"), Fold("specks", n_("Fill Specks"), stage="specks")),
         "use_tones", lists.draw_tones),
-    Group("colors", n_("Color and Paint"), (), ("surface", "paper_color", "flat_colors"), (
+    Group("colors", n_("Color and Paint"), (), ("surface", "paper_color", "flat_colors", "sky_colors"), (
         Fold("gouache", n_("Gouache"), stage="gouache"), Fold("wash", n_("Watercolor"), stage="wash"),
         Fold("example", n_("By Example"), stage="example"),
         Fold("print", n_("Print"), stage="print"), Fold("smudge", n_("Smudging"), stage="smudge"))),

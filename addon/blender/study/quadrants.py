@@ -67,6 +67,10 @@ class _Both:
         return tuple(min(most) for most in zip(*(settings.flat for settings in self.of), strict=True))
 
     @cached_property
+    def sky_colors(self):
+        return min(settings.sky_colors for settings in self.of)
+
+    @cached_property
     def layers_key(self):
         return tuple(settings.layers_key for settings in self.of)
 

@@ -289,6 +289,25 @@ def what_only_cycles_can_show(out):
     shoot(out, "unknown")
 
 
+def photograph_behind(out):
+    """Things before a world that is an image of many colors, as flat shapes and as it is."""
+    scene = stage()
+    image = bpy.data.images.new("Photograph", 256, 128, float_buffer=True)
+    y, x = np.mgrid[:128, :256]
+    color = np.where((y > 60)[..., None], (0.2, 0.4, 0.9), (0.3, 0.25, 0.1))
+    color = color * (0.95 + 0.1 * (x * 7 + y * 5) % 2)[..., None]
+    image.pixels.foreach_set(np.dstack([color, np.ones(color.shape[:2])]).astype(np.float32).ravel())
+    world = bpy.data.worlds.new("Sky")
+    scene.world, world.use_nodes = world, True
+    texture = _new(world.node_tree, "TexEnvironment")
+    texture.image = image
+    world.node_tree.links.new(texture.outputs[0], world.node_tree.nodes["Background"].inputs["Color"])
+    scene.encre.layer_source = "ENCRE"
+    for name, most in ("flat", 16), ("whole", 0):
+        scene.encre.sky_colors = most
+        shoot(out, name)
+
+
 def flat_mirror(out):
     """A mirror behind the things, by both, and as one of glass, which reflects nothing but the sky."""
     scene = stage(samples=16)
