@@ -58,7 +58,6 @@ FILLS = (
     ("STIPPLE", n_("Stipple"), "Spots set by hand"),
     ("BLACK", n_("Black"), "The darkest step is solid ink, as in brush and ink"))
 SIDES = {"ALL": None, "LEFT": 180.0, "TOP_LEFT": 135.0, "TOP": 90.0, "TOP_RIGHT": 45.0, "RIGHT": 0.0}
-PAPERS = {"NONE": 0.0, "SMOOTH": 0.5, "MEDIUM": 1.0, "ROUGH": 2.0}
 
 
 def _base(settings, id_):
@@ -267,7 +266,7 @@ def _choice(id_):
                                   **OURS)
 
 
-# ---- rim light and paper -----------------------------------------------------------------------------------------
+# ---- rim light ---------------------------------------------------------------------------------------------------
 
 
 def _side_read(self):
@@ -288,25 +287,6 @@ def _side_write(self, number):
         self.rim_spread = 180.0
     else:
         self.rim_angle, self.rim_spread = angle, 75.0
-
-
-def _paper_read(self):
-    names = list(PAPERS)
-    if self.paper_source == "IMAGE":
-        return len(names)
-    if self.paper_source == "NONE":
-        return 0
-    return min(range(1, len(names)), key=lambda k: abs(math.log2(max(self.paper_roughness, 0.01) / PAPERS[names[k]])))
-
-
-def _paper_write(self, number):
-    names = list(PAPERS)
-    if number == len(names):
-        self.paper_source = "IMAGE"
-    elif number == 0:
-        self.paper_source = "NONE"
-    else:
-        self.paper_source, self.paper_roughness = "PROCEDURAL", PAPERS[names[number]]
 
 
 # ---- the look ----------------------------------------------------------------------------------------------------
@@ -375,10 +355,4 @@ def definitions():
                 ("TOP_RIGHT", "Top Right", "From the top right"), ("RIGHT", "Right", "From the right"),
                 ("WORLD", "World", "From a direction in the world or from a lamp: see the panel Rim Light below")],
             **OURS),
-        "paper": bpy.props.EnumProperty(
-            name="Paper", description="The paper whose grain pencil lines, hatching and washes show", get=_paper_read,
-            set=_paper_write, options=set(), items=[
-                ("NONE", "None", "Without grain"), ("SMOOTH", "Smooth", "Fine paper"),
-                ("MEDIUM", "Medium", "Drawing paper"), ("ROUGH", "Rough", "Coarse paper"),
-                ("IMAGE", "Image", "A picture of paper that you choose in the panel Paper")], **OURS),
     }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small pictures of presets: made of the last render, shown as icons."""
+"""Small pictures shown as icons: of presets, made of the last render, and what is drawn for one."""
 
 import os
 import tempfile
@@ -66,6 +66,16 @@ def icon(path):
     except OSError:
         return 0
     return (_shown.get(key) or _shown.load(key, os.fspath(path), "IMAGE")).icon_id
+
+
+def made(key, draw):
+    """The icon of what draw() gives the first time, (height, width, 4) with row 0 at the top."""
+    if key not in _shown:
+        picture = draw()
+        preview = _shown.new(key)
+        preview.image_size = picture.shape[1::-1]
+        preview.image_pixels_float.foreach_set(np.ascontiguousarray(picture[::-1], np.float32).ravel())
+    return _shown[key].icon_id
 
 
 def register():

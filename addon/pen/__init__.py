@@ -16,7 +16,8 @@ curves calm, through makes surfaces whole that let some light through, haze thos
 irradiance and sky are the light of a world, program what a material computes, tangents where U grows along a surface,
 ribbons what strands are to who looks; plain opens files that others name. session is a person's way through the study,
 and the file of it.
-daylight is the light of a clear day, suns what of a picture of the world throws shadows.
+daylight is the light of a clear day, suns what of a picture of the world throws shadows, backdrop such a picture in
+flat shapes.
 
 To add: what the engine and the command line both need comes here, if it can do without Blender; numpy only. C's structs
 stand in abi alone, after encre.h; no parameter's default, range or label stands here, as the table tells them.

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The paper under pencil lines and hatching (Vainumäe 2020, 4.3): a sheet of heights that tiles the frame. The
- * built-in sheet is pressed from noise of many sizes, by whole numbers only, so that every build has the same one; its
+ * built-in sheets are pressed from noise of many sizes, by whole numbers only, so that every build has the same; their
  * recipe is docs/paper.md. */
 #include "base/pixel.h"
 #include "base/stage.h"
@@ -16,7 +16,19 @@ enum {
 	LEVELS = 16384,
 	WIDEST = 8 /* texels each way that are pressed together */,
 	LEVELLED = 7 /* and whose mean is taken away */,
-	PIT_FROM = 84712
+	PIT_FROM = 84712,
+	WIRES = 3 /* bits of the texels from one laid line to the next */,
+	CHAINS = 7 /* and from one chain line to the next */
+};
+
+/* What sheets are pressed from: how much of tooth of 2, 3, 5 and 9 texels, of fibers, pits and laid lines. Heights
+ * within a sheet differ by less than 2^21, so that levels hold them. */
+static const struct sheet_kind {
+	uint32_t tooth[4], fibers, pits, laid;
+} sheet_kinds[] = {
+	[paper_source_COLD_PRESS] = {{256, 64, 8, 1}, 16, 12, 0}, [paper_source_ROUGH] = {{192, 64, 16, 4}, 16, 24, 0},
+	[paper_source_HOT_PRESS] = {{320, 16, 0, 0}, 56, 0, 0},   [paper_source_LAID] = {{256, 32, 2, 0}, 24, 0, 48},
+	[paper_source_BRISTOL] = {{160, 96, 6, 1}, 28, 0, 0},
 };
 
 typedef struct paper {
@@ -32,11 +44,13 @@ typedef struct paper {
 /* The built-in sheet, which a context keeps from frame to frame. */
 typedef struct built_in {
 	uint32_t key;
+	int32_t kind;
 	float sheet[SIZE * (SIZE + 1)];
 } built_in;
 
 /* In the making. */
 typedef struct pulp {
+	const struct sheet_kind *kind;
 	uint32_t key;
 	float *sheet;
 	uint32_t ground[SIZE * SIZE], pulp[SIZE * SIZE], felt[SIZE * SIZE], count[LEVELS];
@@ -111,11 +125,20 @@ KERNEL void spread_row(const uint32_t *tile, int y, int shift, uint32_t mask, co
 	}
 }
 
-/* Tooth of four sizes, faint fibres, and pits. */
+/* Laid paper's wires leave a wave down the sheet, and the chains that hold them a groove every so many columns. */
+static uint32_t laid(int x, int y)
+{
+	uint32_t aside = (uint32_t)(x & ((1 << CHAINS) - 1)), near = aside < 4 ? 4 - aside : 0;
+	return (wave((uint32_t)y << (32 - WIRES)) + (3u << 23) - (near << 22)) >> 12;
+}
+
+/* Tooth of four sizes, fibres, pits, and lines. */
 static void press_rows(void *data, int y0, int y1, int thread)
 {
 	(void)thread;
 	pulp *p = data;
+	const struct sheet_kind *kind = p->kind;
+	const uint32_t *tooth = kind->tooth;
 	for (int y = y0; y < y1; y++) {
 		uint32_t a[SIZE], b[SIZE], c[SIZE], d[SIZE], fibres[SIZE], pits[SIZE];
 		uint32_t *restrict out = p->felt + (ptrdiff_t)y * SIZE;
@@ -128,7 +151,8 @@ static void press_rows(void *data, int y0, int y1, int thread)
 		for (int x = 0; x < SIZE; x++) {
 			uint32_t pit = pits[(x + SIZE / 2) & (SIZE - 1)];
 			pit = pit > PIT_FROM ? pit - PIT_FROM : 0;
-			out[x] = (1u << 20) + 256 * a[x] + 64 * b[x] + 8 * c[x] + d[x] + 16 * fibres[x] - 12 * pit;
+			out[x] = (1u << 20) + tooth[0] * a[x] + tooth[1] * b[x] + tooth[2] * c[x] + tooth[3] * d[x] +
+				 kind->fibers * fibres[x] + kind->laid * laid(x, y) - kind->pits * pit;
 		}
 	}
 }
@@ -206,16 +230,19 @@ static int32_t make_sheet(frame *f, pulp *p)
 static int32_t built_in_sheet(frame *f, paper *p)
 {
 	uint32_t key = mix_bits((uint32_t)f->params->paper_seed + 1);
+	int32_t kind = f->params->paper_source;
 	built_in *kept = *f->kept_sheet;
 	int32_t code = ENCRE_OK;
-	if (!kept || kept->key != key) {
+	if (!kept || kept->key != key || kept->kind != kind) {
 		pulp *made = late_take(&f->late, 1, sizeof *made);
 		free(kept);
 		*f->kept_sheet = NULL;
 		kept = made ? malloc(sizeof *kept) : NULL;
 		if (!kept)
 			return ENCRE_ERROR_MEMORY;
+		made->kind = sheet_kinds + kind;
 		made->key = kept->key = key;
+		kept->kind = kind;
 		made->sheet = kept->sheet;
 		code = make_sheet(f, made);
 		late_drop(&f->late, made);

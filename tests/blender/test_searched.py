@@ -3,7 +3,8 @@
 
 WANTED = {"thickness": "line_thickness", "ink": "ink_color", "inner lines": "draw_inner",
           "crease angle": "crease_angle",
-          "shade steps": "shade_steps", "shade color": "shade_tint", "screentone size": "fill_size", "paper": "paper",
+          "shade steps": "shade_steps", "shade color": "shade_tint", "screentone size": "fill_size",
+          "paper": "paper_source",
           "far lines": "far_lines", "rim": "use_rim", "outline": "draw_outlines", "shadow": "draw_shadows",
           "hatching": "fill", "screentone": "fill", "hidden lines": "draw_hidden", "dot size": "fill_size",
           "ink color": "ink_color"}

@@ -64,7 +64,7 @@ def test_a_look_sets_the_front_and_all_that_it_is_about(front):
     assert [look[:4] for look in (pencil, manga, water)] == [
         ["pencil", "pencil", "ENCRE", False], ["manga", "manga", "ENCRE", False],
         ["water_memory", "water_memory", "CYCLES", False]], "the rim light of before is gone"
-    assert manga[4] == [0.5, 0.3, 0.5, "5", 0.0, "DOTS", "ALL", "MEDIUM"]
+    assert manga[4] == [0.5, 0.3, 0.5, "5", 0.0, "DOTS", "ALL", "COLD_PRESS"]
     assert water[4][:4] == [0.5, 0.0, 1.0, "3"] and water[4][5] == "PENCIL"
     names = ["outlines", "contacts", "inner", "creases", "intersections", "folds", "materials", "colors", "shadows",
              "mirrors", "marks"]
@@ -82,4 +82,4 @@ def test_the_front_sets_what_it_shows_and_goes_back(front):
     assert front["edge"][0][0] == pytest.approx(0.5) and front["edge"][0][1][1:] == [0.075] * 3
     assert [set_ for set_, *_ in front["fill"]] == [now for _, now, *_ in front["fill"]]
     assert front["dots"] == [["DOTS", 0.5]], "dots are seen at once"
-    assert all(set_ == now for set_, now, *_ in front["side"] + front["paper"])
+    assert all(set_ == now for set_, now, *_ in front["side"])

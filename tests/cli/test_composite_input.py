@@ -297,7 +297,7 @@ def test_a_paper_image_is_opened_where_it_is_used_and_lies_beside_the_file(run, 
     for image in far, near / "link.png", "../far.png":
         fails(said(image), "paper image", "--allow-paths")
     assert said(far, "--allow-paths")[0] == said(far, f"--set=paper_image={far}")[0] == 0
-    for idle in ["--set=use_lines=no", "--set=use_hatching=no"], ["--set=paper_source=PROCEDURAL"]:
+    for idle in ["--set=use_lines=no", "--set=use_hatching=no"], ["--set=paper_source=COLD_PRESS"]:
         assert said("/nowhere/paper.png", *idle)[0] == 0
     assert said("/nowhere/paper.png", source="NONE")[0] == 0
 

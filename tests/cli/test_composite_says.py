@@ -55,7 +55,8 @@ def test_what_is_set_in_vain_is_said(run, tmp_path, scene):
     assert said([("Pencil", {"use_hatching": True})], "hatch_amount=.5") == ""
     assert said((), "line_crease_strength=0",
                 "crease_angle=9").endswith(": crease_angle (it needs line_crease_strength above 0)\n")
-    assert "paper_scale (it needs paper_source=PROCEDURAL or IMAGE)" in said((), "paper_source=NONE", "paper_scale=4")
+    assert "paper_scale (it needs paper_source=COLD_PRESS or ROUGH or HOT_PRESS or LAID or BRISTOL or IMAGE)" in said(
+        (), "paper_source=NONE", "paper_scale=4")
 
 
 def test_composite_says_which_sources_have_nothing_to_work_on(run, tmp_path, scene):

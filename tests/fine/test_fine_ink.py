@@ -26,7 +26,7 @@ PENS = {  # the case, what it is drawn with
     "taper": ("noise", dict(line_thickness=3.0, pen_1_taper=12.0, pen_1_intensity=1.6)),
     "wide": ("rods", dict(line_thickness=7.0, pen_1_softness=0.3, line_outline_width=0.5, line_crease_width=1.4)),
     "filled": ("far rods", dict(line_thickness=1.6, line_contrast=0.5)),
-    "paper": ("mirror", dict(line_thickness=2.0, paper_source="PROCEDURAL", pen_1_grain=0.7, pen_1_steepness=4.0)),
+    "paper": ("mirror", dict(line_thickness=2.0, paper_source="COLD_PRESS", pen_1_grain=0.7, pen_1_steepness=4.0)),
     "tinted": ("styles", dict(line_thickness=1.1, ink_tint=0.8, ink_tint_value=0.6, ink_in_shade=0.7, line_contrast=1.0,
                               line_far_distance=4.0)),
     "brush": ("faces", dict(line_thickness=5.0, pen_1_pressure=0.6, pen_1_pressure_length=40.0, pen_1_rough=0.5,

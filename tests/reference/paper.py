@@ -16,8 +16,8 @@ def heights(layers, params, down=0):
     shape = layers.depth.shape
     if params["paper_source"] == "NONE":
         return np.ones(shape), np.full(shape, 0.5)
-    image = params["paper_source"] == "IMAGE"
-    texels = _image(params["paper_image"]) if image else sheet(params["paper_seed"])
+    source = params["paper_source"]
+    texels = _image(params["paper_image"]) if source == "IMAGE" else sheet(params["paper_seed"], source)
     height = clamp01(0.8 + (_sample(texels, layers, params, down) - 0.8) * params["paper_roughness"])
     return height, height
 
@@ -53,9 +53,16 @@ def _around(image, weights):
     return image
 
 
+# of tooth of 2, 3, 5 and 9 texels, fibers, pits, lines
+KINDS = {"COLD_PRESS": ((256, 64, 8, 1), 16, 12, 0), "ROUGH": ((192, 64, 16, 4), 16, 24, 0),
+         "HOT_PRESS": ((320, 16, 0, 0), 56, 0, 0), "LAID": ((256, 32, 2, 0), 24, 0, 48),
+         "BRISTOL": ((160, 96, 6, 1), 28, 0, 0)}
+
+
 @cache
-def sheet(seed):
+def sheet(seed, kind="COLD_PRESS"):
     """(512, 512) heights, 0.6…1."""
+    weights, fibers, hollow, lines = KINDS[kind]
     key = _mix(np.array([seed + 1], np.int64).astype(np.uint32))
 
     def number(index):
@@ -79,10 +86,13 @@ def sheet(seed):
         return _around(tile, [size - abs(k) for k in range(1 - size, size)])
 
     parts = [(ground >> 8 * k & 255).astype(np.int64) for k in range(4)]
-    tooth = sum(weight * pressed(part, size) for weight, part, size in zip((256, 64, 8, 1), parts, (2, 3, 5, 9),
+    tooth = sum(weight * pressed(part, size) for weight, part, size in zip(weights, parts, (2, 3, 5, 9),
                                                                         strict=True))
     pits = np.maximum(pressed(np.roll(parts[3], (256, 256), (0, 1)), 5) - 84712, 0)
-    felt = 2**20 + tooth + 16 * pressed(pulp, 2) - 12 * pits
+    wires = _wave(np.arange(512, dtype=np.uint32) << np.uint32(29)).astype(np.int64)
+    wires = np.where(wires < 2**31, wires, wires - 2**32)[:, None]
+    laid = (wires + 3 * 2**23 - 2**22 * np.maximum(4 - np.arange(512) % 128, 0)) >> 12
+    felt = 2**20 + tooth + fibers * pressed(pulp, 2) + lines * laid - hollow * pits
     level = np.minimum(16383, np.maximum(0, 225 * felt + 2**28 - _around(felt, (1,) * 15)) >> 15)
     _, which, count = np.unique(level, return_inverse=True, return_counts=True)
     rank = 2 * (np.cumsum(count) - count) + count

@@ -82,7 +82,7 @@ DEFAULTS = {
     # hatching and paper
     "use_hatching": True, "hatch_amount": 0.45, "hatch_color": (0.0, 0.0, 0.0),
     "hatch_color_threshold": 0.35, "hatch_light_threshold": 0.5, "hatch_color_light": 0.5,
-    "paper_source": "PROCEDURAL", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
+    "paper_source": "COLD_PRESS", "paper_image": None, "paper_scale": 1.0, "paper_roughness": 1.0,
     "paper_seed": 0,
     # tones
     "use_tones": False, "tone_darkness": 0.0, "tone_black": 0.0, "tone_dark": 0.0, "tone_reds": 0.0, "tone_form": 0.0,

@@ -26,10 +26,26 @@ def heights(width, height, scene=(), image=None, **how):
     return (1 - np.float64(drawn[..., 0])) / 2.5 / 0.7 + 0.3 / 0.7
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2**31 - 1])
-def test_the_sheet_is_the_recipe(seed):
-    np.testing.assert_allclose(heights(520, 515, dict(paper_seed=seed)),
-                               np.pad(reference_paper.sheet(seed), ((0, 3), (0, 8)), "wrap"), atol=5e-7)
+@pytest.mark.parametrize("seed, kind", [(0, "COLD_PRESS"), (1, "COLD_PRESS"), (2**31 - 1, "COLD_PRESS"), (0, "ROUGH"),
+                                        (5, "HOT_PRESS"), (0, "LAID"), (2, "BRISTOL")])
+def test_the_sheet_is_the_recipe(seed, kind):
+    np.testing.assert_allclose(heights(520, 515, dict(paper_seed=seed, paper_source=kind)),
+                               np.pad(reference_paper.sheet(seed, kind), ((0, 3), (0, 8)), "wrap"), atol=5e-7)
+
+
+@pytest.mark.parametrize("kind", reference_paper.KINDS)
+def test_each_sheet_is_evenly_spread_and_of_its_kind(kind):
+    """How like the next texel aside and down it is, and the one a laid line further."""
+    sheet = heights(512, 512, dict(paper_source=kind))
+    share, _ = np.histogram(sheet, 8, (0.6, 1.0))
+    assert np.ptp(share) < 0.01 * share.mean()
+    assert np.ptp(sheet.reshape(16, 32, 16, 32).mean((1, 3))) < 0.035, "a blotch would show the tiling"
+    power = np.abs(np.fft.fft2(sheet - sheet.mean())) ** 2
+    alike = np.fft.ifft2(power).real / power.mean()
+    fine = {"HOT_PRESS": (0.6, 0.72), "LAID": (0.68, 0.8), "COLD_PRESS": (0.68, 0.76), "BRISTOL": (0.74, 0.84),
+            "ROUGH": (0.78, 0.9)}[kind]
+    assert fine[0] < alike[0, 1] < fine[1]
+    assert (alike[8, 0] > 0.1) == (kind == "LAID")
 
 
 def test_the_sheet_is_evenly_spread_and_even():

@@ -105,7 +105,7 @@ def test_borders_of_shade_stray_and_those_of_things_do_not():
 
 
 def test_pigment_settles_on_the_paper_and_not_where_there_is_none():
-    grainy = dict(PLAIN, wash_granulation=0.5, paper_source="PROCEDURAL")
+    grainy = dict(PLAIN, wash_granulation=0.5, paper_source="COLD_PRESS")
     assert draw(wall((0.3, 0.3, 0.5), 0.5), grainy)[..., 0].std() > 0.01
     assert draw(wall((0.985, 0.985, 0.985), 1.3), grainy)[..., 0].std() < 0.012, "paper alone"
 

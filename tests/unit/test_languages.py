@@ -12,7 +12,7 @@ def test_the_texts_are_found_in_table_and_sources():
     labels, tips = languages.said()
     assert {"Hatching", "Sobel", "Smudge Range", "Line Group", "Reset All", "Subtract", "Mark Part", "Looks", "Tone",
             "{} washes out ink", "In a Folder", "Apply Look"} <= set(labels)
-    assert {"Color of the ink", "Smooth paper", "Remove the chosen level", "The scene's settings",
+    assert {"Color of the ink", "No grain", "Remove the chosen level", "The scene's settings",
             "Reset to the default value", "Paint Control"} - set(tips) == {"Paint Control"}
     assert len(labels) == len(set(labels)) > 160 and len(tips) > 160
 

@@ -8,7 +8,8 @@ front is what an artist turns first; stages has the closed panels below it, wher
 with rows, which grays them out by enabled_if; so a new parameter needs nothing here. kinds is the table of kinds of
 line, lists shows pens and tones, layers what stays in memory, styles, blocks (objects, materials) and passes have the
 rest of the properties, presets and settings what is done with many at once, paint, marks and pin the tools of the
-sidebar and of Edit Mode, levels the list of light levels, meter how bright full light is, view what the 3D view shows,
+sidebar and of Edit Mode, levels the list of light levels, meter how bright full light is, papers how
+pencil lies on a sheet, view what the 3D view shows,
 cycles Cycles' own panels, shown for Encre too.
 
 To add: a panel to the file of its group, after base.EncrePanel and in its CLASSES; a group as a file, named below.

@@ -166,7 +166,7 @@ def _shade(layout, settings):
     rest.active = settings.use_rim
     rest.prop(settings, "rim_width", text="")
     rest.prop(settings, "rim_side", text="")
-    _named(layout, n_("Paper")).prop(settings, "paper", text="")
+    _named(layout, n_("Paper")).prop(settings, "paper_source", text="")
 
 
 class ENCRE_PT_encre(EncrePanel, bpy.types.Panel):

@@ -13,7 +13,7 @@ import bpy
 
 from ...pen import library, slots
 from ..languages import n_
-from . import kinds, layers, lists, meter
+from . import kinds, layers, lists, meter, papers
 from .base import EncrePanel
 from .rows import draw_params
 
@@ -86,7 +86,8 @@ GROUPS = (
         Fold("print", n_("Print"), stage="print"), Fold("smudge", n_("Smudging"), stage="smudge"))),
     Group("paper", n_("Paper"), ("paper",), (
         "paper_source", "paper_image", "paper_scale", "paper_roughness", "paper_seed"), (
-        Fold("hatch", n_("Pencil Hatching"), stage="hatch"), Fold("relief", n_("Sheet"), stage="relief"))),
+        Fold("hatch", n_("Pencil Hatching"), stage="hatch"), Fold("relief", n_("Sheet"), stage="relief")),
+          draw=papers.draw),
     Group("layers", n_("Layers and Quality"), ("layers",),
           ("layer_source", "light_source", "supersample", "world_shadows", "world_planes"), draw=layers.draw),
     Group("detectors", n_("Detectors of the Theses"), (), (

@@ -16,6 +16,6 @@ def searched(_out):
     shown = ["look", "layer_source", "samples", "line_thickness", "length_unit", "ink_color", "crease_angle",
              *(f"draw_{name}" for name in front.TOGGLES), "small_lines", "hand", "far_lines", "shade_steps",
              "shade_edge", "shade_tint", "shade_tint_weight", "fill", "fill_size", "tone_darkness", "use_rim",
-             "rim_width", "rim_side", "paper"]
+             "rim_width", "rim_side", "paper_source"]
     fact("found", {words: [id_ for id_ in shown if words in known[id_]] for words in ASKED})
     fact("version", list(bpy.app.version))

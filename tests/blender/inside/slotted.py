@@ -108,7 +108,7 @@ def front(_out):
 
     scene = stage(16, 16, 1)
     settings, said = scene.encre, ("small_lines", "hand", "far_lines", "shade_steps", "shade_edge", "fill", "rim_side",
-                                   "paper")
+                                   "paper_source")
     toggles = [f"draw_{name}" for name in own.TOGGLES]
 
     def now():
@@ -153,6 +153,3 @@ def front(_out):
     for side in (*own.SIDES, "WORLD"):
         settings.rim_side = side
         fact("side", [side, settings.rim_side, settings.rim_spread, settings.rim_angle])
-    for paper in (*own.PAPERS, "IMAGE"):
-        settings.paper = paper
-        fact("paper", [paper, settings.paper])

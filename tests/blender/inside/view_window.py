@@ -230,7 +230,7 @@ def broken():
     yield from rest()
     studio.fact("sentence", views()[0].failure)
     window.screenshot("broken")
-    scene.encre.paper_source = "PROCEDURAL"
+    scene.encre.paper_source = "COLD_PRESS"
     yield from rest()
     studio.fact("mended", views()[0].failure)
 
