@@ -155,13 +155,74 @@ enum line ISA(line_of)(const frame *f, const site *s)
 
 /* Px by which an outline lies before what is behind it, from which on it is an outer one, and wholly. */
 static const float outer_from = 24, outer_full = 96;
+/* Height of the frame at a depth of 1 where it is not known: of a lens of 40 mm. */
+static const float usual_height = 0.5f;
+/* Pixels aside of a contour where it is asked what lies behind it: past a second shell, a lid, a strip of trim. */
+enum { ASIDE = 1 };
+
+static float outer(float gap)
+{
+	return clamp01((gap - outer_from) / (outer_full - outer_from));
+}
+
+/* A share of the nearer depth, of inverse ones, or of the frame's height: how far one lies behind another. */
+static float behind(const frame *f, float near, float far)
+{
+	if (f->camera.orthographic)
+		return near - far;
+	return near < far ? 0 : far > 0 ? near / far - 1 : INFINITY;
+}
+
+/* Likewise what is seen about a contour of a mesh, continued straight up to that. */
+static float behind_chain(const frame *f, const site *s, int x, int y)
+{
+	const chain_site *of = chain_of(f->fine, s);
+	float own = f->camera.orthographic ? -of->depth / f->camera.height : 1 / of->depth, most = 0;
+	if (!(of->kind & (ENCRE_CHAIN_CONTOUR | ENCRE_CHAIN_BORDER)))
+		return 0;
+	for (int k = 0; k < 4; k++) {
+		int dx = k < 2, dy = k >= 2, first = k & 1 ? 1 + ASIDE : -ASIDE,
+		    second = k & 1 ? 2 + 3 * ASIDE : -1 - 3 * ASIDE;
+		int u[2] = {clamp_index(x + dx * first, f->width), clamp_index(x + dx * second, f->width)},
+		    v[2] = {clamp_index(y + dy * first, f->height), clamp_index(y + dy * second, f->height)};
+		float far = inverse_at(f, u[0], v[0]), farther = inverse_at(f, u[1], v[1]);
+		if (same_object(f, u[0], v[0], u[1], v[1]))
+			far = max(far, 1.5f * far - 0.5f * farther);
+		most = max(most, behind(f, own, far));
+	}
+	return most;
+}
+
+/* Likewise about a line between pixels. */
+static float behind_pixels(const frame *f, const site *s, int x, int y)
+{
+	bool row = s->found.axis != AXIS_COLUMN, column = s->found.axis != AXIS_ROW;
+	float share = 0;
+	for (int aside = 0; aside <= ASIDE; aside++)
+		share = max(share, jump_at(f, x - (row ? aside : 0), y - (column ? aside : 0), row ? 1 + 2 * aside : 0,
+					   column ? 1 + 2 * aside : 0));
+	return behind(f, 1, 1 - share);
+}
+
+float ISA(line_outer)(const frame *f, const site *s)
+{
+	const fine *n = f->fine;
+	s = n->site + told_by(n, (uint32_t)(s - n->site));
+	enum source source = (enum source)s->placed.source;
+	if (source != SOURCE_OBJECT && source != SOURCE_DEPTH)
+		return 0;
+	float px = f->scale / (float)f->place.height,
+	      far = is_chain(s) ? behind_chain(f, s, (int)floorf(s->placed.x), (int)floorf(s->placed.y))
+				: behind_pixels(f, s, s->found.column, s->found.row);
+	if (!f->camera.orthographic)
+		px *= f->camera.height > 0 ? f->camera.height : usual_height;
+	return outer(far / px);
+}
 
 float ISA(line_width)(const frame *f, const encre_params *p, const site *s, enum line kind)
 {
-	if (kind == LINE_OUTLINE && is_chain(s)) {
-		float gap = chain_of(f->fine, s)->gap / f->scale;
-		return mix(1, p->line_outer_width, clamp01((gap - outer_from) / (outer_full - outer_from)));
-	}
+	if (kind == LINE_OUTLINE && is_chain(s))
+		return mix(1, p->line_outer_width, outer(chain_of(f->fine, s)->gap / f->scale));
 	return kind == LINE_CONTACT        ? p->line_contact_width
 	       : kind == LINE_INTERSECTION ? p->line_intersection_width
 					   : 1;

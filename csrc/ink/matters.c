@@ -2,6 +2,7 @@
 /* How much a line matters among others: where there are too many, what parts a mass from what lies far behind it is
  * drawn, and gaps in it are not. */
 #include "ink/thickets.h"
+#include "ink/pen.h"
 #include "fine/near.h"
 
 enum { CHUNK = 1024, ALONG = 6 /* sites each way along a line */, DECIDED = 10 };
@@ -131,6 +132,21 @@ static void join(void *data, int first, int end, int thread)
 				c->matters[i] = max(c->matters[i], c->matters[n->to[k]]);
 }
 
+static void find_outer(void *data, int first, int end, int thread)
+{
+	(void)thread;
+	const chances *c = data;
+	for (int i = first; i < end && !stopped_at(c->n, i); i++)
+		c->own[i] = c->n->site[i].linked.dropped ? 0 : ISA(line_outer)(c->f, c->n->site + i);
+}
+
+/* When `own` is found. */
+static int32_t spread(chances *c)
+{
+	int32_t code = bands_run(c->f->bands, (int)c->n->count, CHUNK, even_lines, c);
+	return code ? code : bands_run(c->f->bands, (int)c->n->count, CHUNK, join, c);
+}
+
 int32_t ISA(lines_matter)(frame *f, const spots *at, float *matters)
 {
 	const fine *n = f->fine;
@@ -139,10 +155,20 @@ int32_t ISA(lines_matter)(frame *f, const spots *at, float *matters)
 	if (!c.own)
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, find_own, &c);
-	if (!code)
-		code = bands_run(f->bands, (int)n->count, CHUNK, even_lines, &c);
-	if (!code)
-		code = bands_run(f->bands, (int)n->count, CHUNK, join, &c);
+	code = code ? code : spread(&c);
+	late_drop(&f->late, c.own);
+	return code;
+}
+
+int32_t ISA(lines_outer)(frame *f, float *outer)
+{
+	const fine *n = f->fine;
+	chances c = {.f = f, .n = n, .matters = outer};
+	c.own = late_take(&f->late, n->count, sizeof *c.own);
+	if (!c.own)
+		return ENCRE_ERROR_MEMORY;
+	int32_t code = bands_run(f->bands, (int)n->count, CHUNK, find_outer, &c);
+	code = code ? code : spread(&c);
 	late_drop(&f->late, c.own);
 	return code;
 }

@@ -64,6 +64,8 @@ uint32_t ISA(pens_strokes)(const pens *s);
 enum line ISA(line_of)(const frame *f, const site *s);
 /* The factor on the width of its source. */
 float ISA(line_width)(const frame *f, const encre_params *p, const site *s, enum line kind);
+/* How much a line is the outer contour of a thing, by how far what is behind lies: 0..1. */
+float ISA(line_outer)(const frame *f, const site *s);
 /* Does the ink depend on more than the style? */
 bool ISA(inks_by_site)(const encre_params *p);
 /* The first ink of a line's site. */

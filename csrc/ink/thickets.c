@@ -21,7 +21,8 @@ typedef struct grid {
 	float *share; /* of what is about a node lines cover, by how little these matter: one plane after the other */
 	float *mine;  /* by axis and node: of what is about it the frame shows */
 	int planes;
-	const float *matters; /* by site: 0..1; NULL: all do alike */
+	const float *lines;   /* by site: how many lie on each other; NULL: all count */
+	const float *matters; /* likewise: 0..1; NULL: all do alike */
 } grid;
 
 /* The node above and left of a place, and how far on it lies; nodes reach one beyond the frame. */
@@ -34,27 +35,12 @@ static void place_on(const grid *g, const placed *s, int *x, int *y, float *u, f
 	*v = clamp01(py - (float)*y);
 }
 
-/* Pixels of a site's share of its line: half of each of its links. */
-static float length_at(const fine *n, uint32_t i, float radius)
-{
-	float length = 0;
-	for (uint32_t k = n->at[i]; k < n->at[i + 1]; k++)
-		if (!n->site[n->to[k]].linked.dropped)
-			length += 0.5f * sqrtf(apart2(n->site + i, n->site + n->to[k]));
-	return n->at[i] == n->at[i + 1] ? 2 * radius : length;
-}
-
-/* Pixels across its line that a site covers: of a thin thing whose lines are one, each of them covers half. */
-static float wide(const site *s, float radius)
+/* Pixels across its line that a site covers: its part where so many lie on each other; of a thin thing whose lines are
+ * one, each of them covers half. */
+static float wide(const site *s, float radius, float doubled)
 {
 	float lines = s->found.family == FAMILY_THIN ? 1 : 2;
-	return mix(2 * radius, 2 * (s->placed.half + radius) / lines, filled_by(s, radius));
-}
-
-/* What its room leaves of a site's radius. */
-static float left_of(const site *s, float radius)
-{
-	return radius * s->linked.crowd > 1 ? 1 / s->linked.crowd : radius;
+	return mix(2 * radius / doubled, 2 * (s->placed.half + radius) / lines, filled_by(s, radius));
 }
 
 /* The plane of a site, and how far on it lies from there to the next, which matters more. */
@@ -94,7 +80,7 @@ static int32_t weigh(const fine *n, const grid *g, const pen_end *end)
 			continue;
 		place_on(g, &n->site[i].placed, &x, &y, &u, &v);
 		float radius = left_of(n->site + i, end[i].out);
-		float ink = wide(n->site + i, radius) * length_at(n, i, radius) / area;
+		float ink = wide(n->site + i, radius, g->lines ? g->lines[i] : 1) * length_at(n, i, radius) / area;
 		int plane = plane_of(g, i, &on);
 		float *at = g->share + (size_t)plane * nodes_of(g) + y * g->across + x;
 		put(g, at, u, v, (1 - on) * ink);
@@ -196,19 +182,18 @@ static int32_t share_out(const fine *n, grid *g, const pen_end *end)
  * bends. */
 static const float by_itself = 0.5f;
 
-/* Where some may be left out, all get thinner only as long as they are crisp. */
-static void thin(const frame *f, const grid *g, uint32_t i, uint32_t strokes, pen_end *end)
+/* The radius to which a site's is thinned. Where some may be left out, all get thinner only as long as they are crisp.
+ */
+static float thinned(const frame *f, const grid *g, uint32_t i, float radius)
 {
 	const fine *n = f->fine;
-	const placed *s = &n->site[i].placed;
-	const encre_params *p = params_at(f, s->near_x, s->near_y);
-	float share = share_at(g, s, 0), least = p->line_fewer * max(thinnest * f->scale, crisp);
-	for (uint32_t k = 0; p->line_density < 1 && k < strokes; k++) {
-		float *out = &end[(size_t)k * n->count + i].out, left = left_of(n->site + i, *out),
-		      most = max(p->line_density, by_itself * 2 * left / g->step);
-		if (share > most)
-			*out = max(left * most / share, min(left, least));
-	}
+	const site *s = n->site + i;
+	const encre_params *p = params_at(f, s->placed.near_x, s->placed.near_y);
+	float on, least = p->line_fewer * max(thinnest * f->scale, crisp);
+	int plane = plane_of(g, i, &on);
+	float share = mix(share_at(g, &s->placed, plane), share_at(g, &s->placed, plane + 1), on),
+	      left = left_of(s, radius), most = max(p->line_density, by_itself * 2 * left / g->step);
+	return p->line_density < 1 && share > most ? max(left * most / share, min(left, least)) : radius;
 }
 
 static int32_t leave_out(frame *f, grid *g, const spots *at, const pen_end *end, float *kept)
@@ -235,9 +220,9 @@ static int32_t leave_out(frame *f, grid *g, const spots *at, const pen_end *end,
 }
 
 /* A grid of nodes so many px apart, and room for its planes. */
-static bool grid_make(frame *f, float node, int planes, grid *g)
+static bool grid_make(frame *f, float node, int planes, const float *lines, grid *g)
 {
-	*g = (grid){.step = max(node * f->scale, least_node), .planes = planes};
+	*g = (grid){.step = max(node * f->scale, least_node), .planes = planes, .lines = lines};
 	g->x = (float)f->place.x - floorf((float)f->place.x / g->step) * g->step;
 	g->y = (float)f->place.y - floorf((float)f->place.y / g->step) * g->step;
 	g->across = (int)(((float)f->width + g->x) / g->step) + 2;
@@ -265,7 +250,7 @@ int32_t ISA(thickets_press)(frame *f, const pen_end *end, float *press)
 {
 	const fine *n = f->fine;
 	grid g;
-	if (!grid_make(f, about, 1, &g))
+	if (!grid_make(f, about, 1, NULL, &g))
 		return ENCRE_ERROR_MEMORY;
 	int32_t code = share_out(n, &g, end);
 	for (uint32_t i = 0; !code && i < n->count; i++) {
@@ -277,17 +262,21 @@ int32_t ISA(thickets_press)(frame *f, const pen_end *end, float *press)
 	return code;
 }
 
-/* On nodes so many px apart. */
-static int32_t thin_all(frame *f, float node, uint32_t strokes, pen_end *end)
+/* On nodes so many px apart; `only` is told instead of thinning, of the first stroke. */
+static int32_t thin_all(frame *f, float node, uint32_t strokes, const float *lines, const float *outer, pen_end *end,
+			float *only)
 {
 	const fine *n = f->fine;
 	grid g;
-	if (!grid_make(f, node, 1, &g))
+	if (!grid_make(f, node, 2, lines, &g))
 		return ENCRE_ERROR_MEMORY;
+	g.matters = outer;
 	int32_t code = share_out(n, &g, end);
 	for (uint32_t i = 0; !code && i < n->count; i++)
-		if (!n->site[i].linked.dropped)
-			thin(f, &g, i, strokes, end);
+		for (uint32_t k = 0; k < strokes && !n->site[i].linked.dropped; k++) {
+			float *out = &end[(size_t)k * n->count + i].out;
+			*(only ? only + i : out) = thinned(f, &g, i, *out);
+		}
 	grid_drop(f, &g);
 	return code;
 }
@@ -295,12 +284,23 @@ static int32_t thin_all(frame *f, float node, uint32_t strokes, pen_end *end)
 int32_t ISA(thickets_thin)(frame *f, uint32_t strokes, const spots *at, pen_end *end, float *kept)
 {
 	grid g;
-	int32_t code = ENCRE_OK;
+	const fine *n = f->fine;
+	float *outer = late_take(&f->late, n->count, sizeof *outer),
+	      *only = late_take(&f->late, n->count, sizeof *only),
+	      *lines = late_take(&f->late, n->count, sizeof *lines);
+	int32_t code = outer && only && lines ? ISA(lines_outer)(f, outer) : ENCRE_ERROR_MEMORY;
+	if (!code)
+		code = thin_all(f, dense[0], 1, NULL, outer, end, only);
+	if (!code)
+		code = ISA(lines_doubled)(f, end, only, lines);
 	for (int k = 0; !code && k < 2; k++)
-		code = thin_all(f, dense[k], strokes, end);
+		code = thin_all(f, dense[k], strokes, lines, outer, end, NULL);
+	late_drop(&f->late, lines);
+	late_drop(&f->late, only);
+	late_drop(&f->late, outer);
 	if (code || !kept)
 		return code;
-	if (!grid_make(f, sparse, PLANES, &g))
+	if (!grid_make(f, sparse, PLANES, NULL, &g))
 		return ENCRE_ERROR_MEMORY;
 	code = leave_out(f, &g, at, end, kept);
 	grid_drop(f, &g);

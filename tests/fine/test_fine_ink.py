@@ -239,9 +239,10 @@ def test_of_too_many_lines_some_are_left_out_and_the_others_black():
 
 
 def bodies(number, **values):
-    """The ink of what is seen of bodies of these numbers, each farther away than the one before."""
+    """The ink of what is seen of bodies of these numbers, each a little farther away than the one before: so little
+    that none has an outer contour, as the lids of an eye have none."""
     number, flat = number[..., None], np.ones((*number.shape, 3))
-    layers = dict(combined=np.ones((*flat.shape[:2], 4)), color=flat, diffuse=flat, depth=4.0 + 8 * number,
+    layers = dict(combined=np.ones((*flat.shape[:2], 4)), color=flat, diffuse=flat, depth=4.0 + 0.05 * number,
                   normal=flat * (0, 0, 1), object=number + 1)
     layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
     values = {**hands.PLAIN, "length_unit": "PIXELS", **values}
@@ -275,6 +276,36 @@ def test_four_broad_lines_close_by_leave_as_much_paper():
     """Each covers more than the bound of what is closest about it, and may by itself."""
     ink = beside(56, 72, 88, 104, line_thickness=12.0, line_density=0.4)
     assert all(ink[column] > 0.9 for column in (56, 72, 88, 104)) and ink[64:96].mean() < 0.55
+
+
+def crowded(inside, **values):
+    """The ink of a row, summed about the outer contour of a body far before what is behind it, on which flat things
+    border on each other at each of these columns."""
+    number = np.broadcast_to((np.arange(160)[:, None] >= (60, *inside)).sum(1), (160, 160))[..., None]
+    flat = np.ones((*number.shape[:2], 3))
+    layers = dict(combined=np.ones((*flat.shape[:2], 4)), color=flat, diffuse=flat, normal=flat * (0, 0, 1),
+                  depth=np.where(number > 0, 4.0, 100.0), object=number + 1)
+    layers = {name: np.ascontiguousarray(a, np.float32) for name, a in layers.items()}
+    values = {**hands.PLAIN, "length_unit": "PIXELS", "line_thickness": 4.0, "line_density": 0.3, **values}
+    ink = library.render(layers, values, outputs=["Encre Lines"]).images["Encre Lines"][80, :, 3]
+    return ink[54:63].sum(), ink[66:100].mean()
+
+
+def test_an_outer_contour_keeps_its_width_beside_many_lines():
+    """Which thin out."""
+    alone, crowd, each = crowded(()), crowded(range(66, 120, 4)), crowded(range(66, 120, 4), line_density=1)
+    assert crowd[0] == pytest.approx(alone[0], rel=0.05)
+    assert crowd[1] < 0.4 < 0.8 < each[1]
+
+
+@pytest.mark.parametrize("apart", [0.0, 0.15])
+def test_lines_that_lie_on_each_other_count_once(apart):
+    """Nor does the hand of a doubled shell differ from that of a single one."""
+    ink = [known.drawn(known.flat(), [known.line([(40 + k * apart, -5), (40 + k * apart, 101)], "mark", k)
+                                      for k in range(lines)], line_thickness=4.0, line_density=0.2)[20:-20].sum(1)
+           for lines in (1, 4)]
+    assert np.abs(ink[1] - ink[0]).max() < 3 * apart + 0.1
+    assert ink[0].min() > 2
 
 
 def test_lines_are_as_dense_at_the_rim_of_the_frame():

@@ -34,8 +34,8 @@ TESTS = (
      "fine/test_collars.py"),
     ("csrc/edges/", "stages/test_edges.py", "fine/test_fine_sites.py"),
     *((f"csrc/ink/{name}.", "fine/test_fine_ink.py", "fine/test_fine.py -k 'not calm and not still'")
-      for name in ("capsules", "hands", "kinds", "matters", "noise", "pen", "reached", "thickets", "tips", "turns",
-                   "widths")),
+      for name in ("capsules", "doubled", "hands", "kinds", "matters", "noise", "pen", "reached", "thickets", "tips",
+                   "turns", "widths")),
     ("csrc/ink/nearest.c", "stages/test_lines.py -k 'nearest or sizes'", "stages/test_surface.py -k smudg",
      "fine/test_fine_ink.py"),
     ("csrc/ink/", "stages/test_lines.py", "fine/test_fine_ink.py"),

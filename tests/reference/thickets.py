@@ -5,7 +5,7 @@ import numpy as np
 
 from .hand import solid
 from .metric import clamp01, mix
-from .passes import FAMILIES, NUMBER
+from .passes import FAMILIES, NUMBER, told_by
 
 PLANES = 64
 SEED = 0x6d617373
@@ -33,15 +33,15 @@ class Grid:
         np.add.at(found, low + 1, clamp01(on - low) / self.step)
         return _blurred(_blurred(found, 0), 0)
 
-    def weigh(self, half, place, planes):
+    def weigh(self, half, place, planes, lines=1):
         """Shares of what matters at least as much as each plane, of lines that lie at a place among them; a plane of
-        nothing is the last."""
+        nothing is the last. So many lines lie on each other at each site."""
         t = self.t
-        length = np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i]
-                           else 2 * half[i] for i in range(len(t))])
+        length = lengths(t, half)
         # each of a thing's lines that are one covers half of it, and one along its middle all
         whole = 2 * (t.site["half"] + half) / np.where(t.family == NUMBER["thin"], 1, 2)
-        ink = np.where(t.dropped | (half <= 0), 0, mix(2 * half, whole, filled_by(t, half)) * length / self.step**2)
+        wide = mix(2 * half / lines, whole, filled_by(t, half))
+        ink = np.where(t.dropped | (half <= 0), 0, wide * length / self.step**2)
         share = np.zeros((planes + 1, *self.shape))
         low = place.astype(int)
         for plane, part in ((low, 1 - place + low), (low + 1, place - low)):
@@ -53,6 +53,11 @@ class Grid:
 
     def at(self, share, plane):
         return sum(weight * share[plane, row, column] for row, column, weight in self.corners)
+
+
+def lengths(t, half):
+    return np.array([sum(t.apart(i, j) / 2 for j in t.links[i] if not t.dropped[j]) if t.links[i] else 2 * half[i]
+                     for i in range(len(t))])
 
 
 def _blurred(share, axis):
@@ -82,13 +87,22 @@ def thinned(t, hand, layers, half, most, fewer):
     unit, thin = hand.scale, half
     crowd = 1 / np.maximum(t.site["crowd"], 1e-12)
     first = np.zeros(len(t), int)
-    for node in (12, 7):  # and closer by
-        grid, used = Grid(t, unit, layers.depth.shape, node), np.where(crowd < thin, crowd, thin)
-        share = grid.at(grid.weigh(used, first, 1), first)
+    outer = np.array([_outer(layers, t.site[told], unit) for told in told_by(t)])
+    outer = _joined(t, np.array([_along(t, outer, i, 6) for i in range(len(t))]), False)
+    plane = outer.astype(int)
+
+    def on_nodes(node, half, lines):
+        grid, used = Grid(t, unit, layers.depth.shape, node), np.where(crowd < half, crowd, half)
+        shares = grid.weigh(used, outer, 2, lines)  # an outer contour counts others of these only
+        share = mix(grid.at(shares, plane), grid.at(shares, np.minimum(plane + 1, 2)), outer - plane)
         least = np.minimum(used, fewer * max(0.8 * unit, 0.6))
         here = np.maximum(most, used / grid.step)  # a line by itself stays as it is
         bound = (share > here) & (most < 1)
-        thin = np.where(bound, np.maximum(used * here / np.maximum(share, 1e-12), least), thin)
+        return np.where(bound, np.maximum(used * here / np.maximum(share, 1e-12), least), half)
+
+    lines = _doubled(t, np.where(crowd < half, crowd, half), np.minimum(2 * on_nodes(12, half, 1), max(unit, 1)))
+    for node in (12, 7):  # and closer by
+        thin = on_nodes(node, thin, lines)
     if not ((fewer > 0) & (most < 1)).any():
         return thin, np.ones(len(t))
     matters = np.minimum(_matters(t, hand, layers), 1) * (PLANES - 1)
@@ -102,6 +116,60 @@ def thinned(t, hand, layers, half, most, fewer):
     left = np.where(bound, clamp01(2 - more / np.maximum(may, 1e-30)), 1.0)
     mean = np.array([_along(t, left, i, 10) for i in range(len(t))])
     return thin, _joined(t, clamp01(0.5 + 3 * (mean - 0.5)), True)
+
+
+def _outer(layers, site, unit):
+    """How much a line between pixels is an outer contour: what lies behind is 24 to 96 px behind, at its pixels or a
+    pixel farther aside, each side continued straight."""
+    if site["source"] not in (0, 2):  # told by numbers, by depths
+        return 0.0
+    shape, far = layers.depth.shape, 0
+    way = np.array((site["axis"] != 0, site["axis"] != 1), int)
+    for step in (1, 3):
+        y, x = (np.array((site["row"], site["column"]))[:, None] + way[:, None] *
+                (step * np.arange(-1, 3) - (step == 3)))
+        at = np.clip(y, 0, shape[0] - 1), np.clip(x, 0, shape[1] - 1)
+        z, number = layers.depth[at], layers.object[at]
+        u = np.where(np.isfinite(z), -z / layers.height, -1e30) if layers.orthographic else 1 / z
+        for beyond, side in ((0, 1), (3, 2)):
+            if number[beyond] != number[side]:
+                u[beyond] = u[side]
+        near = 1 if layers.orthographic else max(u[1:3])
+        before, after = u[2] - 2 * u[1] + u[0], u[1] - 2 * u[2] + u[3]
+        if near > 0:
+            far = max(far, min(before, -after) / near, min(-before, after) / near)
+    px = unit / layers.full_height
+    if not layers.orthographic:
+        px *= layers.height if layers.height > 0 else 0.5
+        far = far / (1 - far) if far < 1 else np.inf
+    return clamp01((far / px - 24) / 72)
+
+
+def _doubled(t, half, wide):
+    """How many lines lie on each other at each site: those as wide count as one within no pixel, as none from its
+    `wide` on, and where they cross; but not the other side of a thing."""
+    count, length = np.ones(len(t)), lengths(t, half)
+    way = np.array([t.at[links[0]] - t.at[links[1] if len(links) > 1 else i] if len(links) in (1, 2) else (0, 0)
+                    for i, links in enumerate(t.links)])
+    far = np.hypot(*way.T)
+    there = (far > 0) & ~t.dropped & (half > 0)
+    way = np.where(there[:, None], way / np.maximum(far, 1e-12)[:, None], 0)
+    middle = t.site["inside"][:, None] * np.stack([t.axis == 0, t.axis != 0], -1)
+    for i in np.flatnonzero(there & (wide > 0)):
+        off = t.at - t.at[i]
+        on = 1 - np.abs(off @ way[i]) / 2
+        beside = 1 - np.abs(off[:, 0] * way[i, 1] - off[:, 1] * way[i, 0]) / wide[i]
+        near = there & (on > 0) & (beside > 0) & (middle @ middle[i] >= 0)
+        share = np.where(near, on * beside * (way @ way[i])**2 * length * np.minimum(half / half[i], 1), 0)
+        own = share[i]
+        for at in t.links[i]:
+            before = i
+            for _ in range(8):
+                if at is None or at == i:
+                    break
+                own, before, at = own + share[at], at, t.next(before, at)
+        count[i] = max(share.sum() / own, 1) if own > 0 else 1
+    return count
 
 
 def _matters(t, hand, layers):
