@@ -16,6 +16,7 @@ _ALBEDO = 9  # results of a program that are colors: color, gloss, emission
 _ELSEWHERE = {"place", "normal", "incoming", "camera", "thing", "beside", "checker", "brick", "noise", "voronoi",
               "voronoi_second", "voronoi_smooth", "voronoi_edge"}
 _MOST = 2048  # texels from side to side that are looked at
+_BLOCKS, _HALVED = 512, 11  # each way of an image's alpha; how often triangles are quartered that look into it
 _FAINT, _DENSE = 0.1, 0.9  # of alpha: what lies between on its own lets light through, and is no edge
 
 
@@ -60,6 +61,18 @@ class Told:
     def clean(self):
         """Likewise, of those that let no light through where they are."""
         return self._have(lambda number: self.pictures[number].alpha is not None and number not in self.sheer)
+
+    def opaque(self, material, uv):
+        """(t,) whether triangles show nothing that the image of their material leaves out or lets light through, but
+        for 1.5 texels of their rim; after colors(). material: (t,); uv: (t, 3, 2), as laid() gives it. An atlas has
+        holes beside what a thing shows of it."""
+        found = np.zeros(len(uv), bool)
+        for number in np.unique(material):
+            image = self.image[number]
+            if image >= 0 and self.pictures[image].alpha is not None:
+                here = material == number
+                found[here] = _opaque(self.pictures[image], uv[here])
+        return found
 
     def _have(self, true):
         return np.array([number >= 0 and true(number) for number in self.image], bool)
@@ -176,6 +189,65 @@ def _cut(albedo, alpha):
     least = np.float32(1 / 255)
     straight = np.minimum(albedo / np.maximum(alpha, least)[..., None], np.float32(1))
     return straight, np.round(np.clip(alpha, 0, 1) * 255).astype(np.uint8), bool(area.any())
+
+
+def _opaque(picture, uv):
+    """(t,) as Told.opaque(): by boxes around triangles, and around quarters of those whose box is not clean. An atlas
+    is often cut along what shows it, so that 1.5 texels of the rim, which are hardly seen, do not count."""
+    found, owner = np.isfinite(uv).all((1, 2)), np.arange(len(uv))
+    count, unit = _thin_texels(picture), max(1, max(picture.alpha.shape) // _BLOCKS)
+    size = np.array(picture.alpha.shape[::-1])
+    uv, owner = _inset(uv[found] * size) / size, owner[found]
+    for _ in range(_HALVED):
+        low, high = uv.min(1) * size - 0.5, uv.max(1) * size + 0.5  # as far as a texel is mixed with the next
+        unclean = count(low, high) > 0
+        found[owner[unclean & ((high - low).max(1) < 1 + unit)]] = False
+        rest = unclean & found[owner]
+        if not rest.any():
+            return found
+        corners, owner = uv[rest], np.repeat(owner[rest], 4)
+        middles = (corners + np.roll(corners, -1, 1)) / 2
+        uv = np.stack([middles, *(np.stack([corners[:, k], middles[:, k], middles[:, k - 1]], 1) for k in range(3))],
+                      1).reshape(-1, 3, 2)
+    found[owner] = False
+    return found
+
+
+def _inset(corners):
+    """Triangles (t, 3, 2) with their sides 1.5 units further in; of slim ones a tenth is left."""
+    sides = np.linalg.norm(np.roll(corners, -1, 1) - np.roll(corners, 1, 1), axis=2)  # each opposite its corner
+    around = np.maximum(sides.sum(1), 1e-9)
+    middle = (corners * sides[..., None]).sum(1) / around[:, None]
+    one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    radius = np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]) / around
+    share = np.clip(1 - 1.5 / np.maximum(radius, 1e-9), 0.1, 1)
+    return middle[:, None] + (corners - middle[:, None]) * share[:, None, None]
+
+
+def _thin_texels(picture):
+    """count(low, high): in how many blocks of texels within boxes (n, 2), in texels, an image leaves something out or
+    lets light through; 1 for a box that goes on where the image does not."""
+    size = np.array(picture.alpha.shape[::-1])
+    step = max(1, int(size.max()) // _BLOCKS)
+    thin = np.minimum.reduceat(picture.alpha, np.arange(0, size[1], step), 0)
+    thin = np.minimum.reduceat(thin, np.arange(0, size[0], step), 1) < _DENSE * 255
+    blocks = np.array(thin.shape[::-1])
+    sums = np.zeros(2 * np.array(thin.shape) + 1, np.int32)  # twice each way, for boxes that go on behind a border
+    sums[1:, 1:] = np.tile(thin, (2, 2)).cumsum(0, dtype=np.int32).cumsum(1)
+
+    def count(low, high):
+        low, high = np.floor(low).astype(np.int64), np.floor(high).astype(np.int64)
+        outside = ((low < 0) | (high >= size)).any(1) & (picture.wrap not in ("repeat", "extend"))
+        if picture.wrap == "repeat":
+            turns = low // size * size
+            low, high = low - turns, np.minimum(high - turns, low - turns + size - 1)
+        else:
+            low, high = (np.clip(end, 0, size - 1) for end in (low, high))
+        (left, top), (right, bottom) = ((end % size // step + blocks * (end // size)).T for end in (low, high))
+        return outside + (sums[bottom + 1, right + 1] - sums[top, right + 1] - sums[bottom + 1, left]
+                          + sums[top, left])
+
+    return count
 
 
 def _key(made, number, place, kept):

@@ -97,9 +97,11 @@ class Scene:
         wanted = ["depth", "object", "material", "style", "shading", *settings.rastered]
         lines = None
         if settings.wants_edges:
-            told = self.told if settings.wants_color_lines or self.painted else None
+            wanted_colors = settings.wants_color_lines or self.painted
+            told = self.told if wanted_colors or objects.clear.any() else None
             shown = told and (yield from colored.colors(told, settings.every, self.looked, self.materials, self.first))
-            known, whole = objects.chained(told)
+            told, shown, cuts = (told, shown, told) if wanted_colors else (None, None, told)
+            known, whole = objects.chained(told, cuts)
             (lines,) = yield [library.load().chains_work(known, view, projection, frame, size, *(clip or self.clip),
                                                          most_before=settings.hidden, colors=shown)]
         lit = np.zeros((*size[::-1], 3), np.float32) if self.shines else None

@@ -220,7 +220,7 @@ class Frames:
             told = colors and colors.told(objects.materials)
             shown = told and background.run(colors.colors(told, objects.materials, settings.every), threads,
                                             self._go_on)
-            known, whole = objects.chained(told)
+            known, whole = objects.chained(told, told)
         about = subject.read(depsgraph, camera, light)
         for name, (view, projection) in cameras.views(self.engine, depsgraph, camera, width, height).items():
             orthographic = camera.data.type == "ORTHO"

@@ -60,11 +60,12 @@ class Objects:
                             object=None if mesh.object is None else mesh.object[kept]))
         return out
 
-    def chained(self, told=None):
+    def chained(self, told=None, cuts=None):
         """(meshes whose edges tell of lines, by number of an object whether all its lines are theirs: 1 those of
         shapes, 2 those of colors). What lets light through, what Cycles moves or divides further and hair is left to
         the picture, but for lines between colors of what images cut out; holes have none of their own, and hide
-        others'. told: a colored.Told whose pictures are there."""
+        others'. told: a colored.Told whose pictures are there; cuts: likewise, by which it is known what of things
+        images cut, though no lines between colors are asked for."""
         whole, out, cut_out = ~self.holdouts & ~self.catchers, [], []
         colored = np.full(len(whole), told is not None) & whole
         odd, moved = self.clear | self.displaced, self.displaced | self.holes
@@ -75,6 +76,10 @@ class Objects:
                 continue
             material = mesh.material_index if mesh.material is None else mesh.material
             bad = odd[material] | self.refined[mesh.object_index]
+            seen = cuts.laid(mesh, coords) if cuts is not None and coords and np.any(self.clear[material]) else None
+            if seen is not None:
+                of = np.broadcast_to(material, len(mesh.corners))
+                bad = bad & (moved[of] | self.refined[mesh.object_index] | ~cuts.opaque(of, seen))
             numbers = mesh.object_index if mesh.object is None else np.unique(mesh.object)
             if told is not None and not np.all(told.known[material]):
                 colored[numbers] = False
@@ -88,7 +93,7 @@ class Objects:
             uv = told.laid(mesh, coords) if told is not None and coords else None
             if not np.all(bad):
                 out.append(_part(mesh, uv, ~bad))
-            cards = cut[material] & still
+            cards = cut[material] & still & bad
             if uv is not None and np.any(cards):
                 cut_out.append(replace(_part(mesh, uv, cards), open=True))
         return [*out, *cut_out], whole + 2 * colored

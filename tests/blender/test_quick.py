@@ -97,6 +97,15 @@ def test_nothing_behind(shots):
     assert ((alpha[..., 3] == 0) == (depth[..., 0] >= 1e9)).all() and (alpha[..., 3] == 0).any()
 
 
+def test_a_thing_that_shows_no_hole_of_its_image_has_the_lines_of_its_mesh(render):
+    """They were found in pixels, in steps, as soon as an image had holes anywhere: many files keep all in one image."""
+    shot = render("atlas")
+    cut, plain, open_ = (shot.passes(name) for name in ("cut", "plain", "open"))
+    np.testing.assert_array_equal(cut["Encre Lines"], plain["Encre Lines"])
+    gone = (open_["Depth"] > plain["Depth"] + 0.01)[..., 0]  # its inside is seen
+    assert 0.02 < gone.mean() < 0.4 and (plain["Encre Lines"][..., 3] > 0.5).sum() > 100
+
+
 def test_a_photograph_behind_things_is_flat_shapes_and_their_light_the_same(render):
     shot = render("photograph_behind")
     flat, whole = (shot.passes(name) for name in ("flat", "whole"))

@@ -289,6 +289,41 @@ def what_only_cycles_can_show(out):
     shoot(out, "unknown")
 
 
+def atlas(out):
+    """A turned box that shows of an image just what its alpha leaves, in cells cut along its faces; the same with one
+    face upon the empty part; and without alpha."""
+    scene = stage()
+    bpy.ops.mesh.primitive_cube_add(size=1.5, location=(0, -1, 0.8), rotation=(0.3, 0.2, 0.5))
+    box = bpy.context.object
+    places = box.data.uv_layers[0].data
+    alpha = np.zeros((256, 256), np.float32)
+    for face in box.data.polygons:
+        corners = np.array([places[k].uv for k in face.loop_indices]) * 256
+        (left, low), (right, high) = corners.min(0).round().astype(int), corners.max(0).round().astype(int)
+        alpha[low:high, left:right] = 1
+    image = bpy.data.images.new("Atlas", 256, 256, alpha=True)
+    image.pixels.foreach_set(np.dstack([np.full((256, 256, 3), 0.6, np.float32), alpha]).ravel())
+    mat = bpy.data.materials.new("Atlas")
+    mat.use_nodes, mat.blend_method = True, "HASHED"
+    tree = mat.node_tree
+    texture, shader = _new(tree, "TexImage"), tree.nodes["Principled BSDF"]
+    texture.image = image
+    tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+    tree.links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
+    box.data.materials.append(mat)
+    scene.encre.layer_source, scene.encre.line_color_strength = "ENCRE", 0
+    shoot(out, "cut")
+    seen = max(box.data.polygons, key=lambda face: -(box.matrix_world.to_3x3() @ face.normal).y)
+    before = [places[k].uv.copy() for k in seen.loop_indices]
+    for k in seen.loop_indices:
+        places[k].uv = places[k].uv * 0.1
+    shoot(out, "open")
+    for k, uv in zip(seen.loop_indices, before, strict=True):
+        places[k].uv = uv
+    tree.links.remove(shader.inputs["Alpha"].links[0])
+    shoot(out, "plain")
+
+
 def photograph_behind(out):
     """Things before a world that is an image of many colors, as flat shapes and as it is."""
     scene = stage()
