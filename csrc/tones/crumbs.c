@@ -144,7 +144,7 @@ static void look_around(const work *w, island *of)
 }
 
 /* Light in ink is one only on it: skin is seen between hair. */
-static bool is_feature(const island *of, uint8_t kind)
+static bool is_feature(const island *of, int kind)
 {
 	int dark = kind == INK ? 0 : 1;
 	float most = 0, far = of->own_depth - of->depth;
@@ -159,7 +159,7 @@ static void settle(const work *w, float size)
 {
 	const frame *f = w->f;
 	size_t pixels = (size_t)f->width * (size_t)f->height;
-	for (uint8_t kind = LIGHT; kind <= INK; kind++)
+	for (int kind = LIGHT; kind <= INK; kind++)
 		for (size_t i = 0; i < pixels; i++) {
 			if ((w->kind[i] & KINDS) != kind || w->kind[i] & SEEN)
 				continue;
@@ -175,7 +175,7 @@ static void settle(const work *w, float size)
 				const encre_params *p = params_at(f, x, y);
 				const encre_level *next = p->shade_levels.level + 1;
 				float end = next->threshold + max(0.5f * next->transition, 1e-3f);
-				w->kind[at] = LIGHT + INK - kind;
+				w->kind[at] = (uint8_t)(LIGHT + INK - kind);
 				w->t->settling[at] = kind == LIGHT ? -1 : max(of.light, end);
 				if (w->t->spotted)
 					w->t->spotted[at] = kind == LIGHT ? TONE_SPOTTED : 0;
