@@ -46,6 +46,8 @@ class Told:
     pictures: list = field(default_factory=list)  # Colored
     image: np.ndarray | None = None               # by number of material, of these; -1
     sheer: set = field(default_factory=set)       # numbers of pictures that let some light through
+    thin: dict = field(default_factory=dict)      # number of a picture -> what _thin_texels() gave
+    found: dict = field(default_factory=dict)     # what opaque() has found, with what of
 
     @property
     def known(self):
@@ -62,16 +64,26 @@ class Told:
         """Likewise, of those that let no light through where they are."""
         return self._have(lambda number: self.pictures[number].alpha is not None and number not in self.sheer)
 
-    def opaque(self, material, uv):
-        """(t,) whether triangles show nothing that the image of their material leaves out or lets light through, but
-        for 1.5 texels of their rim; after colors(). material: (t,); uv: (t, 3, 2), as laid() gives it. An atlas has
-        holes beside what a thing shows of it."""
-        found = np.zeros(len(uv), bool)
-        for number in np.unique(material):
+    def opaque(self, mesh, coords):
+        """(t,) whether triangles of a mesh show nothing that the image of their material leaves out or lets light
+        through, but for 1.5 texels of their rim; after colors(). coords: as laid() takes it. An atlas has holes beside
+        what a thing shows of it. Instances that share their arrays are asked once."""
+        of = mesh.corners, mesh.material_index if mesh.material is None else mesh.material, *coords.values()
+        key = tuple(part if np.isscalar(part) else id(part) for part in of)
+        if key not in self.found:
+            self.found[key] = self._opaque(mesh, coords), of  # which are held, so that no other gets their ids
+        return self.found[key][0]
+
+    def _opaque(self, mesh, coords):
+        found, uv = np.zeros(len(mesh.corners), bool), self.laid(mesh, coords)
+        material = np.broadcast_to(mesh.material_index if mesh.material is None else mesh.material, len(found))
+        for number in np.unique(material) if uv is not None else ():
             image = self.image[number]
             if image >= 0 and self.pictures[image].alpha is not None:
+                if image not in self.thin:
+                    self.thin[image] = _thin_texels(self.pictures[image])
                 here = material == number
-                found[here] = _opaque(self.pictures[image], uv[here])
+                found[here] = _opaque(self.pictures[image], self.thin[image], uv[here])
         return found
 
     def _have(self, true):
@@ -191,11 +203,12 @@ def _cut(albedo, alpha):
     return straight, np.round(np.clip(alpha, 0, 1) * 255).astype(np.uint8), bool(area.any())
 
 
-def _opaque(picture, uv):
-    """(t,) as Told.opaque(): by boxes around triangles, and around quarters of those whose box is not clean. An atlas
-    is often cut along what shows it, so that 1.5 texels of the rim, which are hardly seen, do not count."""
+def _opaque(picture, count, uv):
+    """(t,) as Told.opaque(), of what _thin_texels() gave: by boxes around triangles, and around quarters of those
+    whose box is not clean. An atlas is often cut along what shows it, so that 1.5 texels of the rim, which are hardly
+    seen, do not count."""
     found, owner = np.isfinite(uv).all((1, 2)), np.arange(len(uv))
-    count, unit = _thin_texels(picture), max(1, max(picture.alpha.shape) // _BLOCKS)
+    unit = max(1, max(picture.alpha.shape) // _BLOCKS)
     size = np.array(picture.alpha.shape[::-1])
     uv, owner = _inset(uv[found] * size) / size, owner[found]
     for _ in range(_HALVED):

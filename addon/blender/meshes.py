@@ -76,10 +76,8 @@ class Objects:
                 continue
             material = mesh.material_index if mesh.material is None else mesh.material
             bad = odd[material] | self.refined[mesh.object_index]
-            seen = cuts.laid(mesh, coords) if cuts is not None and coords and np.any(self.clear[material]) else None
-            if seen is not None:
-                of = np.broadcast_to(material, len(mesh.corners))
-                bad = bad & (moved[of] | self.refined[mesh.object_index] | ~cuts.opaque(of, seen))
+            if cuts is not None and coords and np.any(self.clear[material]):
+                bad = bad & (moved[material] | self.refined[mesh.object_index] | ~cuts.opaque(mesh, coords))
             numbers = mesh.object_index if mesh.object is None else np.unique(mesh.object)
             if told is not None and not np.all(told.known[material]):
                 colored[numbers] = False
