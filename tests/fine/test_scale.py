@@ -36,7 +36,8 @@ def test_crowded_ink_and_lines_are_the_same_at_every_size(name):
     faint = preset(name)["line_color_strength"] == 1.0 and preset(name)["edge_threshold"] == 0.3
     change = {size: abs(a.mean() / ink[100].mean() - 1) for size, a in ink.items()}
     most = 0.075 if name == "manga" else 0.055  # whose black lies beside fewer of them
-    assert change[200] < most and change[50] < (0.1 if faint else most), change
+    least = 0.051 if name == "heavy_blacks" else 0.05  # whose outer contours alone keep their weight in a crowd
+    assert change[200] < most and change[50] < (0.1 if faint else least), change
     more, less = ({size: alone(*pair) for size, pair in pairs.items()} for pairs in (
         {size: (a, ink[100]) for size, a in ink.items()}, {size: (ink[100], a) for size, a in ink.items()}))
     assert more[200] < 0.04 and less[200] < 0.06, (more, less)  # weak joints live where a neighbour is strong
