@@ -30,6 +30,7 @@ _PALE, _DIM = 0.38, 0.3  # of full light: what shade has at most, and at least u
 _OPEN, _DEEP = 0.6, 0.1  # of open shade under a sky what counts as shade, where it is below _DIM by _DEEP of F
 _SURE = 0.2    # of full light: over which shade has more before full light is what surfaces have most of
 _BRIGHT = 0.97 # what counts as by then
+_FACED, _UNFACED = 0.65, 0.5  # of what faces a sky's sun: where surfaces have less at most, few face it, or none
 _FLAT = 1.5    # times shade, what is brightest at least, or light that is even would be cut by its last hundredths
 _FACES = np.array([(side * x, side * y, side * z) for x, y, z in np.eye(3) for side in (-1, 1)])
 _SPOTS = np.array([(a, b) for a in (-0.5, 0.5) for b in (-0.5, 0.5)])  # of a face
@@ -69,6 +70,9 @@ def _with_shade(full, told, ambient, things, drawn):
     if got is None:
         return full, 0.0
     shade, most = min(got.shade, got.full / _FLAT), max(got.full, got.shade)
+    if got.sky:
+        unfaced = np.clip((_FACED - most / full) / (_FACED - _UNFACED), 0, 1)
+        full += float(unfaced) * (most / _BRIGHT - full)
     if shade > _PALE * full:
         sure = min(1.0, (shade / full - _PALE) / _SURE)
         return full + sure * (max(most / _BRIGHT, 1e-3 * full + shade) - full), shade * _SHADE / _PALE

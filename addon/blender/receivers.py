@@ -34,7 +34,7 @@ class Found:
     """Diffuse light: `shade`, what a tenth of the surfaces have less than, or half of them where their strongest lamp
     does not come, if that is less; `open`, what half of them have where it does not come: shade that lies open, where
     `shade` may be what no side but those that nobody sees has; `full`, what all but a fiftieth have less than; sky:
-    whether the strongest lamp of most is a sun of the world's."""
+    whether the strongest lamp of most, if they have one, is a sun of the world's."""
 
     shade: float
     open: float
@@ -144,8 +144,8 @@ class Surfaces:
             strongest[more], most[more], sky[more] = color[more], comes[more], world
         whole = np.max(lit, 1)
         dark, half = _share(whole, self.weights, 0.1), _share(np.max(lit - strongest, 1), self.weights, 0.5)
-        total = max(float(self.weights @ (most > 0)), 1e-300)
-        return Found(min(dark, half), half, _share(whole, self.weights, 0.98), bool(self.weights @ sky > 0.5 * total))
+        of_world = any(world for _, _, world in told) and self.weights @ sky >= 0.5 * (self.weights @ (most > 0))
+        return Found(min(dark, half), half, _share(whole, self.weights, 0.98), bool(of_world))
 
     def _toward(self, lamp):
         """(cosines at which a lamp's light falls (n,), ways to it (n, 3))."""

@@ -30,6 +30,9 @@ def test_what_surfaces_receive_tells_shade(render):
     light, shade = facts["low"]
     floor = 0.35 + 0.65 * (facts["below"] - shade) / (light - shade)
     assert 0.36 < floor < 0.42, "a floor that the sky alone lights is in the dark levels of Cel and Hatched"
+    light, floor, window = facts["window"]
+    assert window > 2 * floor, "what faces the window would have much more"
+    assert light == pytest.approx(floor / 0.97, rel=0.1), "but nothing does"
 
 
 @pytest.mark.slow

@@ -182,6 +182,21 @@ def metered(_out):
     # What a floor in the shade has of the sky, by the brightest channel.
     up = irradiance.polynomials(np.array([(0.0, 0, 1)])) @ skies.light(scene.world).ambient
     fact("below", float(np.max(up)))
+    build([])
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0, 0, 1))
+    for frame, turn in (1, 0), (9, 1):
+        bpy.context.object.rotation_euler.z = turn
+        bpy.context.object.keyframe_insert("rotation_euler", frame=frame)
+    window = bpy.data.images.new("Window", 128, 64, float_buffer=True)
+    texels = np.full((64, 128, 4), 0.4, np.float32)
+    texels[31:33, 60:68] = 200  # at the height of the horizon
+    window.pixels.foreach_set(texels.ravel())
+    picture = tree.nodes.new("ShaderNodeTexEnvironment")
+    picture.image = window
+    tree.links.new(picture.outputs[0], tree.nodes["Background"].inputs[0])
+    around = skies.light(scene.world)
+    sides = irradiance.polynomials(np.array([(0.0, 0, 1), (0, 0, -1)])) @ around.ambient
+    fact("window", [read()[0], float(np.max(sides)), float(np.max(around.suns[0].color)) / np.pi])
 
 
 def night(scene, lamp, cube, reached):
