@@ -6,7 +6,6 @@ import dataclasses
 import numpy as np
 
 from ..pen import abi, background, chains, library, overlay
-from ..pen.backdrop import Backdrop
 from ..pen.irradiance import polynomials
 from ..pen.job import Camera
 from ..pen.sky import directions
@@ -388,14 +387,14 @@ class Scene:
         if self.transparent:
             combined[where] = 0
         else:
-            if isinstance(self.backdrop, Backdrop) or self.backdrop.pictures:
+            if self.backdrop.even:
+                # A pixel is copied as a whole: four channels one by one take three times as long.
+                one = np.array((*self.backdrop.color, 1), np.float32).view(np.complex128)
+                np.copyto(combined.view(np.complex128)[..., 0], one[0], where=where)
+            else:
                 pixels = np.flatnonzero(where)
                 seen = self.backdrop.seen(view, projection, frame, pixels, where.shape[1])
                 combined.reshape(-1, 4)[pixels, :3] = seen
                 np.copyto(combined[..., 3], 1, where=where)
-            else:
-                # A pixel is copied as a whole: four channels one by one take three times as long.
-                one = np.array((*self.backdrop.color, 1), np.float32).view(np.complex128)
-                np.copyto(combined.view(np.complex128)[..., 0], one[0], where=where)
         if self.objects.clear.any():  # light that is looked through
             combined[where, :3] += glow[where]

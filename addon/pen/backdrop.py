@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,6 +27,12 @@ class Backdrop:
 
     palette: np.ndarray
     shares: np.ndarray
+    even: ClassVar[bool] = False  # as Sky.even
+
+    @cached_property
+    def most(self) -> np.ndarray:
+        """(rows, columns): the color of which there is most."""
+        return self.shares.argmax(0).astype(np.uint8)
 
     def seen(self, view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: np.ndarray,
              width: int) -> np.ndarray:
@@ -33,12 +41,11 @@ class Backdrop:
         texel = np.pi / self.shares.shape[1]
         pixel = 2 / (projection[1, 1] * frame.height)  # an angle; by an orthographic camera nothing changes
         (row, column), (down, right), level = places(way, *self.shares.shape[1:])
-        most = self.shares.argmax(0)
         corners = [(row[k], column[j]) for k in (0, 1) for j in (0, 1)]
-        own = most[corners[0]]
+        own = self.most[corners[0]]
         whole = np.ones(len(way), bool)
         for corner in corners:
-            whole &= (most[corner] == own) & (self.shares[own, corner[0], corner[1]] > _WHOLE)
+            whole &= (self.most[corner] == own) & (self.shares[own, corner[0], corner[1]] > _WHOLE)
         out = self.palette[own]
         some = np.flatnonzero(~whole)
         shares = [self.shares[:, a[some], b[some]] for a, b in corners]

@@ -21,6 +21,11 @@ class Sky:
     pictures: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
     suns: tuple[Sun, ...] = ()
 
+    @property
+    def even(self) -> bool:
+        """Whether it has one color all around."""
+        return not self.pictures
+
     def __add__(self, other: Sky) -> Sky:
         return Sky(self.color + other.color, self.pictures + other.pictures, self.suns + other.suns)
 
