@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..pen import background, denoise, haze, layers, library, overlay, saved, supersample, through
+from ..pen import backdrop, background, denoise, haze, layers, library, overlay, saved, supersample, through
 from . import memory, versions, volumes, wanted
 
 _FEW = 8  # fewer samples make a draft, of which denoising would take the most time
@@ -139,10 +139,15 @@ def _layers(layer, name, view_id, passes, write, go_on, hasty, at_once=False, cl
             fallen.append(drawn(depth, normal))
             return fallen[0]
 
-    lines = maps.get("chains")
+    lines, environment = maps.get("chains"), "Env" in passes
     images, nonfinite = layers.assemble(passes, settings, known, denoiser, layer.denoise_other, illuminate)
     material = known["material"]
     known.clear()
+    if layer.sky:
+        shown = backdrop.put_behind(layer.sky, images, view, projection, frame)
+        if environment:
+            write(versions.pass_name("Env"), shown)  # as drawing the file again reads it
+        del shown
     if "seen_normal" in images and layers.unmirror(images, material, objects.blurred, eye.view) | _clean_seen(
             images, eye.view, _seen_cleaner(layer, kept, go_on, hasty or clean, at_once)):
         for one, picture in layers.seen_passes(images):

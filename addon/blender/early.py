@@ -17,6 +17,7 @@ import bpy
 import numpy as np
 
 from ..pen import denoise
+from ..pen.backdrop import Once
 from ..pen.background import Background, Course
 from ..pen.errors import EncreError
 from . import drawing, overrides, versions
@@ -116,7 +117,9 @@ class Growth:
         """show(Early): called when one is drawn."""
         self.engine, self.layer, self.show, self.behind = engine, layer, show, Background(layer.threads)
         if layer.light:
-            self.layer = replace(layer, light=_Light(layer.light))
+            self.layer = replace(self.layer, light=_Light(layer.light))
+        if layer.sky:
+            self.layer = replace(self.layer, sky=Once(layer.sky))
         self.next = time.monotonic() + _EVERY / 2
         self.asked = self.ended = False
         self.course, self.begun, self.worked = None, 0.0, 0.0  # of the picture that is drawn; seconds

@@ -38,7 +38,7 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     clip: (start, end) of what looks at it; kept: a Kept; camera: the evaluated one whose focus tells what the picture
     is about, None: only the scene's size does; visible: whether an original object is, None: all are.
     """
-    kept, scene = kept or Kept(), depsgraph.scene_eval
+    kept = kept or Kept()
     pictures.turn()
     light = lamps.Light(depsgraph, clip, kept.light, visible, settings.shadows_world, settings.planes)
     blocks = [block for block in depsgraph.ids if isinstance(block, bpy.types.Material)]
@@ -57,9 +57,9 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         notes.append(f"in their viewport color, as only Cycles can show them: {', '.join(unknown)}")
     world = filters.world(depsgraph)
     try:
-        sky, photographed = skies.seen(world), settings.sky_colors > 0 and skies.photographed(world)
+        sky = skies.seen(world)
     except trees.Unknown as e:
-        sky, photographed = Sky(np.array(world.color)), False
+        sky = Sky(np.array(world.color))
         notes.append(f"the world in its viewport color, as only Cycles can show its node {e}")
     notes += unseen.of_materials(looks, objects.materials) + unseen.of_things(depsgraph, visible)
     foggy, unread = volumes.fogs(depsgraph, light.mean)
@@ -67,8 +67,10 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
         notes.append(f"not shown, as only Cycles can show it: what fills {', '.join(unread)}")
     made = looks.programs(objects.materials, objects.things, first, objects.flat)
     sky *= light.exposure
-    backdrop = kept.light.backdrops.of(sky, settings.sky_colors) if photographed else sky
-    return Scene(objects, light, made, sky, backdrop, scene.render.film_transparent,
+    flat = settings.sky_colors and skies.photographed(world)
+    backdrop = kept.light.backdrops.of(sky, settings.sky_colors) if flat else sky
+    film = depsgraph.scene.render.film_transparent  # a frame by Cycles before this one may have overridden the other
+    return Scene(objects, light, made, sky, backdrop, film,
                  subject.read(depsgraph, camera, light), clip, notes, first > 0,
                  first + looks.channels(objects.materials), looks.through(objects.materials),
                  looks.shine(objects.materials), looks.turned(objects.materials), looks.holdout(objects.materials),

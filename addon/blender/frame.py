@@ -128,6 +128,10 @@ class Frames:
         pictures = images.load(settings, self._go_on)
         flat = camera.data.type in {"PERSP", "ORTHO"}
         light = self._light(depsgraph, camera, settings) if flat else None
+        kept = light.kept if light else lamps.between(self.engine, depsgraph) or lamps.Kept()
+        sky, note = rendered.sky(depsgraph, settings, kept)
+        if note:
+            self.engine.say("INFO", note)
         if settings.denoises and not light and not denoise.available(versions.home()):
             self.engine.say("INFO", "Open Image Denoise is not there, so the light stays noisy; choose Fast, or "
                                     "set Light to Drawn (light_source=DRAWN)")
@@ -139,6 +143,8 @@ class Frames:
         if missing:
             self.engine.say("INFO", "this build of Blender has no Open Image Denoise: Cycles' denoiser is off")
         blurred = overrides.blur(depsgraph, settings.active) if settings.active or self.overrode else ()
+        if settings.active or self.overrode:
+            overrides.film(depsgraph, sky is not None)
         if blurred:
             self.engine.say("WARNING", overrides.without(blurred))
         for note in unseen.by_cycles(depsgraph) if settings.active else ():
@@ -149,7 +155,7 @@ class Frames:
         self.overrode = settings.active
         if flat:
             self.known[depsgraph.view_layer.name] = self._rasterise(depsgraph, camera, settings, denoise_other,
-                                                                    pictures, light)
+                                                                    pictures, light, kept, sky)
 
     def _remember(self, depsgraph):
         """Puts the passes of a view layer that is in memory into the result, to be drawn again. EncreError: it is not,
@@ -193,7 +199,7 @@ class Frames:
         self.engine.say("WARNING", "there is no lamp, and no world that Encre can read: the light is Cycles'")
         return None
 
-    def _rasterise(self, depsgraph, camera, settings, denoise_other, pictures, light):
+    def _rasterise(self, depsgraph, camera, settings, denoise_other, pictures, light, kept, sky):
         render = depsgraph.scene_eval.render
         width, height, own = cameras.border(render)
         place, factor = own.grown(self._reach(settings, denoise_other, height), width, height), settings.factor
@@ -203,8 +209,7 @@ class Frames:
         asked, keeps = wanted.asked(depsgraph.view_layer), wanted.keeps(depsgraph.scene)
         objects, drawn, views, colors = None, [], {}, None
         if settings.active or asked or keeps:
-            colors = rendered.read(depsgraph, settings, light.kept if light else
-                                   lamps.between(self.engine, depsgraph) or lamps.Kept())
+            colors = rendered.read(depsgraph, settings, kept)
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light,
                                      anchored=settings.wants_anchor, unwrapped=settings.wants_tangent,
                                      laid=colors and colors.laid)
@@ -258,7 +263,7 @@ class Frames:
         if not depsgraph.view_layer.use_pass_object_index:
             user_indices = None
         samples = depsgraph.view_layer.samples or depsgraph.scene_eval.cycles.samples
-        layer = ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light,
+        layer = ViewLayer(depsgraph.view_layer.name, settings, denoise_other, user_indices, objects, views, light, sky,
                           boxes, camera.data.clip_start, frame,
                           own, place, own if render.use_border and not render.use_crop_to_border else None,
                           threads, samples, asked, keeps, pictures,

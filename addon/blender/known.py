@@ -8,8 +8,10 @@ import numpy as np
 
 from ..pen import chains, layers, supersample
 from ..pen.around import Window
+from ..pen.backdrop import Backdrop, Once
 from ..pen.job import Frame
 from ..pen.settings import Settings
+from ..pen.sky import Sky
 from . import lamps, memory, meshes, versions
 
 
@@ -25,6 +27,7 @@ class ViewLayer:
     views: dict                      # view name -> (camera, rasterised pictures of `factor` times the frame's size,
                                      #               world -> camera, camera -> clip)
     light: lamps.Light | None        # None: the light is Cycles'
+    sky: Sky | Backdrop | Once | None  # what is put behind what Cycles renders; None: it shows the world itself
     volumes: np.ndarray              # volumes.corners(), if light besides the diffuse is denoised
     clip_start: float
     frame: Frame                     # with the place of what is drawn in it

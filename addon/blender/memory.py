@@ -74,7 +74,7 @@ class Layer:
             "World Shadows": (new.draws_light or new.fast) and old.shadows_world != new.shadows_world,
             "Planes": (new.draws_light or new.fast) and old.planes != new.planes,
             "Flat Colors": new.fast and old.flat != new.flat,
-            "Sky Colors": new.fast and old.sky_colors != new.sky_colors,
+            "Sky Colors": old.sky_colors != new.sky_colors,
             "Object Index": old.every[0]["object_index"] != new.every[0]["object_index"],
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,
             "Colors": new.fast and new.color_lines is not None and old.color_lines != new.color_lines,

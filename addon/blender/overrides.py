@@ -95,6 +95,11 @@ def blur(depsgraph, off):
     return sorted(found)
 
 
+def film(depsgraph, transparent):
+    """Leaves the world out of the picture, or shows it as the user has set."""
+    _set(depsgraph.scene_eval.render, "film_transparent", transparent or depsgraph.scene.render.film_transparent)
+
+
 def expect(depsgraph, names):
     """Cycles writes an error to the log for each pass that it doesn't know; those called as an AOV it expects. No
     shader writes these, which cost four bytes a pixel each while it renders."""

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where colors part in what Cycles renders: its materials are read as for fast layers, but for what can't be read."""
+"""What is read of a scene that Cycles renders: its materials, for where colors part, and its world, as for fast layers,
+but for what can't be read."""
 
 import bpy
 import numpy as np
 
-from . import colored, materials, unseen
+from . import colored, filters, materials, skies, trees, unseen
 
 _EDGE = "color_edge"  # the control that asks for lines there
 
@@ -43,6 +44,38 @@ def read(depsgraph, settings, kept):
     if not (settings.tells_colors and (settings.wants_color_lines or _painted(depsgraph))):
         return None
     return Rendered(depsgraph, kept.images, kept.colors)
+
+
+def sky(depsgraph, settings, kept):
+    """(what stands in for the world where nothing is in front of it, why it is not what the settings ask for); None:
+    the world itself, and nothing to be said. kept: a lamps.Kept."""
+    world = filters.world(depsgraph)
+    if (not settings.active or not settings.sky_colors or depsgraph.scene.render.film_transparent
+            or not skies.photographed(world)):
+        return None, None
+    if thing := _veil(depsgraph):
+        return None, f"the picture of the sky stays as it is because of {thing}; choose Fast for Render to see it flat"
+    try:
+        seen = skies.seen(world) * filters.exposure(depsgraph)
+    except trees.Unknown as e:
+        return None, f"the picture of the sky stays as it is, as only Cycles can show the world's node {e}"
+    return kept.backdrops.of(seen, settings.sky_colors), None
+
+
+def _veil(depsgraph):
+    """A thing in front of which alpha does not say how much of the world is seen, and in which color; None: none is."""
+    for block in depsgraph.ids:
+        if isinstance(block, bpy.types.Object) and block.original.holdout_get(view_layer=depsgraph.view_layer):
+            return f"the holdout {block.name}"
+        for node in trees.nodes_of(block) if isinstance(block, bpy.types.Material) else ():
+            if node.bl_idname == "ShaderNodeHoldout" or (
+                    node.bl_idname == "ShaderNodeBsdfTransparent" and _tints(node.inputs["Color"])):
+                return f"the node {node.name} of material {block.name}"
+    return None
+
+
+def _tints(socket):
+    return socket.is_linked or len(set(socket.default_value[:3])) > 1
 
 
 def _painted(depsgraph):

@@ -15,6 +15,7 @@ from .job import Frame, Picture
 from .sky import Sky, directions, places
 
 _ROWS = 256  # of the picture in which shapes are found: details of less than about a degree go
+_BAND = 64   # rows of a picture whose ways to look are held at once
 _NEAR = 2    # texels about a mixed one in which the shapes are sought that it may belong to
 _WEIGHTS = 0.054, 0.244, 0.404, 0.244, 0.054  # along rows and columns: corners are rounded
 _WHOLE = 0.9  # share of a shape at all four texels about a place, from which on there is no border
@@ -66,6 +67,42 @@ class Backdrop:
         slope = np.hypot(across / level, along) * np.float32(pixel)
         share = np.clip(0.5 + (shares[first, every] - shares[second, every]) / np.maximum(slope, 1e-6), 0, 1)[:, None]
         return self.palette[first] * share + self.palette[second] * (1 - share)
+
+
+class Once:
+    """A sky of one picture, each pixel of which is looked up once."""
+
+    def __init__(self, sky: Sky | Backdrop) -> None:
+        self.sky, self.known, self.found = sky, np.zeros(0, bool), np.zeros((0, 3), np.float32)
+
+    def seen(self, view: np.ndarray, projection: np.ndarray, frame: Frame, pixels: np.ndarray,
+             width: int) -> np.ndarray:
+        """As Sky.seen()."""
+        if not self.known.size:
+            self.known = np.zeros(frame.width * frame.height, bool)
+            self.found = np.zeros((self.known.size, 3), np.float32)
+        new = pixels[~self.known[pixels]]
+        self.found[new], self.known[new] = self.sky.seen(view, projection, frame, new, width), True
+        return self.found[pixels]
+
+
+def put_behind(sky: Sky | Backdrop | Once, layers: dict[str, np.ndarray], view: np.ndarray, projection: np.ndarray,
+               frame: Frame) -> np.ndarray:
+    """Shows a sky in the layers of a picture wherever its film is transparent, as if it were in front of no world;
+    what of it is seen (height, width, 3). view, projection, frame: as Sky.seen() takes them."""
+    height, width, _ = layers["combined"].shape
+    combined = layers["combined"] = np.array(layers["combined"], order="C")
+    shown = np.zeros((height, width, 3), np.float32)
+    for row in range(0, height, _BAND):
+        clear = np.clip(1 - combined[row:row + _BAND, :, 3].ravel(), 0, 1)
+        there = np.flatnonzero(clear)
+        shown[row:row + _BAND].reshape(-1, 3)[there] = clear[there, None] * sky.seen(
+            view, projection, frame, row * width + there, width)
+    combined[..., :3] += shown
+    combined[..., 3] = 1
+    if "background" in layers:
+        layers["background"] = shown
+    return shown
 
 
 class Backdrops:

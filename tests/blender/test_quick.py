@@ -7,6 +7,7 @@ import exr
 import numpy as np
 import pytest
 from encre.cli import main
+from encre.cli.composite import composite
 from encre.pen.layers import classic
 
 
@@ -114,6 +115,36 @@ def test_a_photograph_behind_things_is_flat_shapes_and_their_light_the_same(rend
     few, many = (np.sort(count)[-3:].sum() / behind.sum() for count in counts)  # what three colors cover
     assert behind.mean() > 0.1 and few > 0.9 > 0.5 > many
     np.testing.assert_array_equal(flat["Encre Source"][~behind], whole["Encre Source"][~behind])
+
+
+def test_a_photograph_behind_what_cycles_renders_is_the_same_flat_shapes(render):
+    """By how much of it each pixel shows. What surfaces show of the world is as it was; a film that the user has made
+    transparent stays so, and beside a hole, whose pixels are transparent too, the photograph."""
+    shot = render("photograph_behind")
+    fast, flat, whole, part, film, hole = (shot.passes(name) for name in (
+        "flat", "flat by Cycles", "whole by Cycles", "part by Cycles", "film", "hole"))
+    source, shown = flat["Encre Source"], flat["Env"]
+    behind = inside(flat["Depth"][..., 0] >= 1e9) & (flat["Depth"][..., 0] >= 1e9)
+    assert behind.mean() > 0.1 and (source[..., 3] == 1).all()
+    np.testing.assert_array_equal(source[behind], fast["Encre Source"][behind])
+    np.testing.assert_array_equal(shown[behind], source[behind][:, :3])
+    left = [p["Encre Source"][..., :3] - p["Env"] for p in (flat, whole)]
+    np.testing.assert_allclose(*left, atol=1e-5)
+    assert ((whole["Env"] > 0).any(2) == (shown > 0).any(2)).all() and 0.1 < (shown > 0).any(2).mean() < 0.9
+    for name in "Depth", "Encre Index", "Encre Diffuse":
+        np.testing.assert_array_equal(flat[name], whole[name])
+    height, width = part["Depth"].shape[:2]
+    np.testing.assert_array_equal(part["Encre Source"], source[:height, -width:])
+    composite(str(shot.folder / "flat by Cycles.exr"), str(shot.folder / "again.exr"), {})
+    np.testing.assert_allclose(shot.passes("again")["Combined"], flat["Combined"], atol=1e-5)
+    assert film["Encre Source"][..., 3][behind].max() == 0
+    for turn in map(shot.passes, ("turn_1", "turn_2")):
+        np.testing.assert_array_equal(turn["Encre Source"][behind], source[behind])
+    there = behind & (hole["Encre Source"][..., 3] == 1)
+    np.testing.assert_array_equal(hole["Encre Source"][there], whole["Encre Source"][there])
+    assert hole["Encre Source"][..., 3].min() == 0
+    assert shot.output.count("the picture of the sky stays as it is because of the holdout Cube; choose Fast") == 1
+    assert shot.facts["film"] == [[False, False]]
 
 
 def test_flat_mirrors_show_what_stands_before_them(render):

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from encre.pen import suns
-from encre.pen.backdrop import Backdrop, Backdrops
+from encre.pen.backdrop import Backdrop, Backdrops, Once, put_behind
 from encre.pen.job import Frame
 from encre.pen.sky import Sky
 
@@ -23,17 +23,22 @@ def photograph(rows=512):
     return color.astype(np.float32)
 
 
-def seen(sky, toward, wide=20.0, size=(240, 160), place=None):
-    """(rows, columns, 3) of a frame so many degrees high; place: left, top, width and height of a part of it."""
+def looking(toward, wide, size):
+    """world -> camera and camera -> clip of a frame so many degrees high."""
     ahead = np.array(toward, float) / np.linalg.norm(toward)
     right = np.cross(ahead, [0, 0, 1])
     right /= np.linalg.norm(right)
     view, projection, scale = np.eye(4), np.zeros((4, 4)), 1 / np.tan(np.radians(wide / 2))
     view[:3, :3] = right, np.cross(right, ahead), -ahead
     projection[0, 0], projection[1, 1], projection[3, 2] = scale * size[1] / size[0], scale, -1
+    return view, projection
+
+
+def seen(sky, toward, wide=20.0, size=(240, 160), place=None):
+    """(rows, columns, 3) of a frame so many degrees high; place: left, top, width and height of a part of it."""
     left, top, width, height = place or (0, 0, *size)
     pixels = np.arange(width * height)
-    return sky.seen(view, projection, Frame(*size, left, top), pixels, width).reshape(height, width, 3)
+    return sky.seen(*looking(toward, wide, size), Frame(*size, left, top), pixels, width).reshape(height, width, 3)
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +78,35 @@ def test_a_part_of_a_frame_and_the_seam_of_the_picture_are_as_the_whole(backdrop
     np.testing.assert_array_equal(seen(backdrop, (-1, 0, -0.2), 50.0, place=(90, 40, 60, 50)), whole[40:90, 90:150])
     rows = np.diff((whole[..., 2] > 0.5).sum(0))  # the horizon goes on where the picture closes
     assert np.abs(rows).max() <= 1
+
+
+def test_a_sky_is_put_behind_by_what_each_pixel_leaves_of_it(backdrop):
+    rng, toward = np.random.default_rng(0), (-1, 0, -0.2)
+    combined = rng.random((160, 240, 4), np.float32)
+    combined[:, :80, 3], combined[:, -80:, 3] = 0, 1
+    whole = seen(backdrop, toward)
+    layers = {"combined": combined, "background": np.zeros_like(whole)}
+    shown = put_behind(backdrop, layers, *looking(toward, 20.0, (240, 160)), Frame(240, 160))
+    np.testing.assert_allclose(shown, whole * (1 - combined[..., 3:]), atol=1e-6)
+    np.testing.assert_array_equal(layers["combined"][..., :3], combined[..., :3] + shown)
+    assert (layers["combined"][..., 3] == 1).all() and layers["background"] is shown and combined[0, 0, 3] == 0
+    part = {"combined": combined[40:90, 90:150]}
+    put_behind(backdrop, part, *looking(toward, 20.0, (240, 160)), Frame(240, 160, 90, 40))
+    np.testing.assert_array_equal(part["combined"], layers["combined"][40:90, 90:150])
+
+
+def test_a_sky_that_is_looked_up_once_is_the_same(backdrop):
+    where, asked = (*looking((1, 0, 0.2), 20.0, (240, 160)), Frame(240, 160)), []
+
+    class Counting:
+        def seen(self, view, projection, frame, pixels, width):
+            asked.extend(pixels)
+            return backdrop.seen(view, projection, frame, pixels, width)
+
+    once = Once(Counting())
+    for pixels in np.arange(0, 20000, 3), np.arange(0, 38400, 2), np.arange(7):
+        np.testing.assert_array_equal(once.seen(*where, pixels, 240), backdrop.seen(*where, pixels, 240))
+    assert len(asked) == len(set(asked))
 
 
 def test_the_same_sky_is_made_flat_once_and_one_color_not_at_all():

@@ -15,7 +15,7 @@ from encre.blender.properties import PASSES
 from encre.pen import library
 from encre.pen.tangents import tangents
 from mathutils import Vector
-from studio import cube, fact, link, multilayer, plane, shoot, sphere, stage
+from studio import cube, exr, fact, link, multilayer, plane, shoot, sphere, stage
 
 
 def _matt(name, make):
@@ -341,6 +341,30 @@ def photograph_behind(out):
     for name, most in ("flat", 16), ("whole", 0):
         scene.encre.sky_colors = most
         shoot(out, name)
+    scene.encre.layer_source, scene.encre.light_denoise = "CYCLES", "NONE"
+    scene.encre.use_shading, scene.encre.other_light, scene.encre.other_background = True, 1, 0.5
+    render = scene.render
+    for name, most in ("whole by Cycles", 0), ("flat by Cycles", 16):
+        scene.encre.sky_colors = most
+        shoot(out, name)
+    render.use_border = render.use_crop_to_border = True
+    render.border_min_x, render.border_max_x, render.border_min_y, render.border_max_y = 0.5, 1, 0.5, 1
+    shoot(out, "part by Cycles")
+    render.use_border, render.film_transparent = False, True
+    shoot(out, "film")
+    render.film_transparent = False
+    render.use_persistent_data = True
+    for source in "CYCLES", "ENCRE":
+        scene.encre.layer_source = source
+        scene.encre.keyframe_insert("layer_source", frame=1 + (source == "ENCRE"))
+    scene.frame_start, scene.frame_end = 1, 2
+    exr(scene, os.path.join(out, "turn_#"))
+    bpy.ops.render.render(animation=True)
+    scene.animation_data_clear()
+    scene.encre.layer_source, render.use_persistent_data = "CYCLES", False
+    bpy.data.objects["Cube"].is_holdout = True
+    shoot(out, "hole")
+    fact("film", [render.film_transparent, render.use_border])
 
 
 def flat_mirror(out):
