@@ -23,7 +23,7 @@ FLOAT(other_light, FRAME, 1, 0, 1, 0, 1, "factor", "use_shading", "Other Light",
 FLOAT(other_background, FRAME, 1, 0, 16, 0, 1, "", "use_shading&other_light", "Background", "Brightness of the sky, or whatever the world shows as the background")
 FLOAT(other_highlights, SURFACE, 1, 0, 16, 0, 2, "", "use_shading&other_light", "Highlights", "Brightness of highlights: lamps that glossy surfaces show")
 FLOAT(highlight_shape, SURFACE, 0, 0, 1, 0, 1, "factor", "use_shading&other_light&other_highlights", "Highlight Shapes", "0 is highlights as rendered, 1 shapes of one color with an edge")
-FLOAT(highlight_threshold, SURFACE, 0.3, 0, FLT_MAX, 0, 2, "", "use_shading&other_light&highlight_shape", "Highlight Threshold", "How bright a highlight is where its shape ends")
+FLOAT(highlight_threshold, SURFACE, 0.8, 0, FLT_MAX, 0, 2, "", "use_shading&other_light&highlight_shape", "Highlight Threshold", "How bright a highlight is where its shape ends")
 COLOR(highlight_color, SURFACE, 1, 1, 1, "use_shading&other_light&highlight_shape", "Highlight Color", "Color of highlight shapes")
 FLOAT(other_reflections, SURFACE, 1, 0, 16, 0, 1, "", "use_shading&other_light", "Reflections", "Brightness of reflections: what mirrors and glossy surfaces show of their surroundings")
 INT(reflection_tones, SURFACE, 0, 0, 64, 0, 8, "", "use_shading&other_light&other_reflections", "Reflection Tones", "Draw reflections of metals as flat shapes, in this many tones from black to white. 0: reflections as rendered")

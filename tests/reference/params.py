@@ -69,7 +69,7 @@ DEFAULTS = {
     "shade_saturation": 0.6, "shade_beyond": False, "shade_strength": 1.0, "other_light": 1.0,
     "light_hue": 1.0,
     "other_background": 1.0, "other_highlights": 1.0, "other_reflections": 1.0, "other_glow": 1.0,
-    "highlight_shape": 0.0, "reflection_tones": 0, "highlight_threshold": 0.3,
+    "highlight_shape": 0.0, "reflection_tones": 0, "highlight_threshold": 0.8,
     "highlight_color": (1.0, 1.0, 1.0), "surface": "SHADED", "paper_color": (1.0, 1.0, 1.0),
     # by example
     "use_example": False, "example_ball": "GOUACHE", "example_image": None, "example_strength": 1.0,

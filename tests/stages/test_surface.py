@@ -121,11 +121,11 @@ def test_a_highlight_is_a_share_of_the_light_and_none_at_a_grazing_angle():
     scene = dict(ONLY_SHADING, highlight_shape=1.0, shade_meter="LAMPS")
     assert_agrees(random_layers(40, 64), scene, STYLES, camera=Camera(light=2.5), tolerance=1e-4)
     layers = random_layers(1, 4)
-    layers["controls"][:], layers["style"][:], layers["highlights"][:] = 0, 0, 0.6
-    layers["specular"][:], layers["color"][:] = 0.6, 0
-    layers["combined"][..., :3], layers["combined"][..., 3] = 0.6, 1
-    for light, lit, facing, shown in ((0.2, 0, 1, 1), (1, 0, 1, 1), (4, 0, 1, 0), (1, 0, 0.6, 1), (1, 0, 0.3, 0),
-                                      (1, 1.5, 1, 1), (1, 4, 1, 0)):
+    layers["controls"][:], layers["style"][:], layers["color"][:], layers["combined"][..., 3] = 0, 0, 0, 1
+    for bright, light, lit, facing, shown in ((1.6, 0.2, 0, 1, 1), (1.6, 1, 0, 1, 1), (1.6, 4, 0, 1, 0),
+                                              (1.6, 1, 0, 0.6, 1), (1.6, 1, 0, 0.3, 0), (1.6, 1, 1.5, 1, 1),
+                                              (1.6, 1, 4, 1, 0), (0.6, 1, 0, 1, 0)):  # the last: cloth by a lamp
+        layers["highlights"][:] = layers["specular"][:] = layers["combined"][..., :3] = bright
         layers["diffuse"][:], layers["normal"][:] = lit, (np.sqrt(1 - facing**2), 0, facing)
         drawn = draw(layers, scene, camera=Camera(light=light))["Combined"][..., :3]
         np.testing.assert_allclose(drawn, shown, atol=1e-5)
