@@ -44,7 +44,8 @@ def read(depsgraph, settings, clip, kept=None, camera=None, visible=None):
     blocks = [block for block in depsgraph.ids if isinstance(block, bpy.types.Material)]
     looks = materials.read(blocks, kept.images)
     objects = meshes.extract(depsgraph, settings.every[0]["object_index"] == "AUTO", None, light, kept.meshes, visible,
-                             looks, settings.wants_anchor, settings.wants_tangent, flat=settings.flat)
+                             looks, settings.wants_anchor, settings.wants_tangent, flat=settings.flat,
+                             facets=settings.facets)
     first = _join_attributes(objects)
     light.tidy()
     notes = []

@@ -212,7 +212,7 @@ class Frames:
             colors = rendered.read(depsgraph, settings, kept)
             objects = meshes.extract(depsgraph, settings.scene["object_index"] == "AUTO", line_numbers, light,
                                      anchored=settings.wants_anchor, unwrapped=settings.wants_tangent,
-                                     laid=colors and colors.laid)
+                                     laid=colors and colors.laid, facets=settings.facets)
             if light:
                 light.tidy()
             drawn = ["object", "material", "style", "coincident", *settings.rastered]

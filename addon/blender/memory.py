@@ -74,6 +74,7 @@ class Layer:
             "World Shadows": (new.draws_light or new.fast) and old.shadows_world != new.shadows_world,
             "Planes": (new.draws_light or new.fast) and old.planes != new.planes,
             "Flat Colors": new.fast and old.flat != new.flat,
+            "Smooth Facets": old.facets != new.facets,
             "Sky Colors": old.sky_colors != new.sky_colors,
             "Object Index": old.every[0]["object_index"] != new.every[0]["object_index"],
             "what sticks to surfaces": new.wants_anchor and not old.wants_anchor,

@@ -147,13 +147,13 @@ def block_name(block):
 
 
 def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=None, looks=None,
-            anchored=False, unwrapped=False, laid=None, flat=()):
+            anchored=False, unwrapped=False, laid=None, flat=(), facets=0.0):
     """The Objects that the camera can see. `line_numbers`: what overrides.pass_indices() gave, None if it was
     not called. `light`: a lamps.Light that takes them, and what only throws shadows. `kept`: a Kept; with it normals
     are read. `visible`: whether an original object is, None: all are. `looks`: the materials.Looks whose programs will
     read attributes, after the controls; with them there is hair. `anchored`: whether to tell where surfaces rest;
     `unwrapped`: which way their UV maps lie; `laid`: {full name of a material: UV map that is to be told}; `flat`: by
-    number of style, Objects.flat; (): 0.
+    number of style, Objects.flat; (): 0. `facets`: below how many degrees facets have normals of one smooth surface.
     """
     meshes, shown, ribbons, coords, owners, numbers, called = [], [], [], [], [0], [0], [""]
     things = [(0,) * (18 + 4 * len(looks.pool.asked if looks else ()))]
@@ -198,9 +198,9 @@ def extract(depsgraph, automatic, line_numbers, light=None, kept=None, visible=N
         made = []
         if meshable:
             key = (obj.data.as_pointer(), obj.data.name_full, own, obj.encre.separate_parts, maps, read, anchored,
-                   unwrapped)
+                   unwrapped, facets)
             made.append((key, kept.get(key, names, functools.partial(read_triangles, obj, smooth, maps, read, anchored,
-                                                                     unwrapped))))
+                                                                     unwrapped, facets))))
         made += [(key, kept.get(key, names | set(map(block_name, those)), make)) for key, those, make in grown]
         made = [(key, triangles) for key, triangles in made if triangles is not None]
         if light:

@@ -49,10 +49,11 @@ class Triangles:
         return digest.digest()
 
 
-def read_triangles(obj, light, maps, sources, anchored, unwrapped):
+def read_triangles(obj, light, maps, sources, anchored, unwrapped, facets):
     """The triangles of an evaluated object, None if it has none. light: whether light is to fall on them; maps: the UV
     maps that are read, "" = the one that renders use; sources: what programs of materials read; anchored: whether to
-    tell where they rest; unwrapped: which way their UV map lies."""
+    tell where they rest; unwrapped: which way their UV map lies; facets: below how many degrees they have normals of
+    one smooth surface."""
     try:
         mesh = obj.to_mesh()
     except RuntimeError:  # no geometry
@@ -61,7 +62,7 @@ def read_triangles(obj, light, maps, sources, anchored, unwrapped):
         return None
     try:
         bent = anchored and _may_be_bent(obj)
-        return (_of_mesh(mesh, obj.encre.separate_parts, light, maps, sources, anchored, unwrapped, bent)
+        return (_of_mesh(mesh, obj.encre.separate_parts, light, maps, sources, anchored, unwrapped, bent, facets)
                 if len(mesh.polygons) else None)
     finally:
         obj.to_mesh_clear()
@@ -87,7 +88,7 @@ def _may_be_bent(obj):
     return obj.type == "MESH" and bool(obj.modifiers or keys or obj.parent_type in ("ARMATURE", "LATTICE"))
 
 
-def _of_mesh(mesh, separate, light, maps, sources, anchored, unwrapped, bent):
+def _of_mesh(mesh, separate, light, maps, sources, anchored, unwrapped, bent, facets):
     position = mesh.attributes.get("position")
     points = (get(position.data, "vector", np.float32, 3) if position
               else get(mesh.vertices, "co", np.float32, 3))
@@ -108,6 +109,8 @@ def _of_mesh(mesh, separate, light, maps, sources, anchored, unwrapped, bent):
     normals = None if normals is None else normals[loops]
     rest = _rest(mesh, points, loops, corners, bent) if anchored else None
     rest_normals = normals if rest is None else _smooth(mesh, rest, corners, face)
+    if light and facets > 0:
+        normals = library.load().smooth(points, corners, normals, facets)
     uvs = _uvs(mesh, "") if unwrapped else None
     return Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
                       np.empty((0, 2), np.int32) if marked is None or not marked.any()

@@ -23,7 +23,7 @@ def beside(context, depsgraph, settings, camera):
     changed settings has not changed any of these, too."""
     scene, layer, space = depsgraph.scene_eval, context.view_layer, context.space_data
     return (settings.every[0]["object_index"], settings.rastered, settings.shadows_world, settings.planes,
-            settings.flat, settings.sky_colors,
+            settings.facets, settings.flat, settings.sky_colors,
             [style.name for style in scene.encre.styles],
             scene.render.film_transparent, camera and camera.name_full,
             filters.told(depsgraph),

@@ -386,6 +386,7 @@ def declare(lib: c.CDLL) -> None:
         getattr(lib, name).argtypes = [c.c_void_p, c.c_void_p]
     lib.encre_picture_levels.argtypes = [c.c_void_p, c.c_void_p, c.c_void_p]
     lib.encre_flatten.argtypes = [c.c_void_p, c.c_void_p, c.c_int32, c.c_void_p]
+    lib.encre_smooth.argtypes = [c.c_void_p, c.c_void_p, c.c_float, c.c_void_p]
     lib.encre_start.argtypes = [c.c_void_p, c.c_void_p, c.c_int32]
     lib.encre_wait.argtypes = lib.encre_cancel.argtypes = [c.c_void_p]
     lib.encre_cancel.restype = None

@@ -34,7 +34,7 @@ from .job import (
 )
 from .params import Chosen, Control, Param, Stage, chosen, control, normal, read, stage, text_of
 
-API_VERSION = 24
+API_VERSION = 25
 _ALL = "; `encre params` lists all"
 
 
@@ -390,6 +390,16 @@ class Library:
                 raise EncreError(text_of(self.lib.encre_error(context)))
         finally:
             self.lib.encre_destroy(context)
+
+    def smooth(self, points: np.ndarray, corners: np.ndarray, normals: np.ndarray | None, angle: float) -> np.ndarray:
+        """Unit normals (t, 3, 3) at the corners of triangles: of facets as of one smooth surface where they bend by
+        less than `angle` degrees. points (n, 3), corners (t, 3); normals (t, 3, 3), None: all are flat."""
+        mesh = abi.Mesh()
+        keep = abi.fill_mesh(mesh, Mesh(points, corners, normals=normals))
+        out = np.empty((len(corners), 3, 3), np.float32)
+        self.call(self.lib.encre_smooth, mesh, float(np.radians(angle)), out.ctypes.data)
+        del keep
+        return out
 
     def flatten(self, picture: Picture, most: int, threads: int = 0) -> None:
         """Gives a picture flat colors, `most` at most, in place: its first level; the others are to be made anew."""

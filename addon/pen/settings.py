@@ -196,6 +196,11 @@ class Settings:
         return float(self.every[0]["world_planes"])
 
     @cached_property
+    def facets(self) -> float:
+        """Below how many degrees facets are lit as one smooth surface, where light is drawn."""
+        return float(self.every[0]["facet_angle"]) if self.draws_light or self.fast else 0.0
+
+    @cached_property
     def denoises(self) -> bool:
         """Whether the light is to be denoised, where it is rendered."""
         return self.every[0]["light_denoise"] == "OIDN" and self.wants_light

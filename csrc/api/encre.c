@@ -11,6 +11,8 @@
 #include "flat/flat.h"
 #include "light/handle.h"
 #include "material/material.h"
+#include "raster/facets.h"
+#include "raster/geometry.h"
 #include "raster/raster.h"
 #include "samples/average.h"
 #include "samples/even.h"
@@ -305,6 +307,27 @@ int32_t encre_light(encre_context *context, encre_light_job *job)
 				 : light_run_base(pool, &clean, &context->light);
 	scene_leave(clean.scene);
 	return fail_code(context, code);
+}
+
+/* ---- normals ----------------------------------------------------------------------------------------------- */
+
+int32_t encre_smooth(encre_context *context, const encre_mesh *mesh, float angle, float *normals)
+{
+	int32_t code = enter(context);
+	if (code)
+		return code;
+	char *error = context->error;
+	size_t size = sizeof context->error;
+	if (!mesh || mesh->kind != ENCRE_TRIANGLES)
+		return refuse(error, size, "mesh 0: has no triangles; give a mesh of kind ENCRE_TRIANGLES");
+	if ((code = geometry_check_mesh(mesh, 0, error, size)))
+		return code;
+	if ((uint32_t)mesh->n_primitives > UINT32_MAX / 3 || (mesh->n_primitives && !normals))
+		return refuse(error, size,
+			      "mesh 0: no room for normals, or too many triangles; give 9 floats a triangle");
+	if (!(angle >= 0 && angle <= 3.1416f))
+		return refuse(error, size, "angle: %g; give radians from 0 to pi", (double)angle);
+	return fail_code(context, facets_smooth(mesh, angle, normals));
 }
 
 /* ---- materials --------------------------------------------------------------------------------------------- */

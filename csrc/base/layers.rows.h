@@ -15,6 +15,7 @@ ENUM(light_source, FRAME, 0, "layer_source=CYCLES", "Light", "Which light is cut
      ITEM(light_source, DRAWN, 1, "Drawn", "Light of the scene's lamps and world, without noise and without bounced light"))
 BOOL(world_shadows, FRAME, 0, "", "World Shadows", "Drawn light: objects block the world's light, as in Cycles, so that corners and contacts get dark. Takes longer")
 FLOAT(world_planes, FRAME, 0, 0, 1, 0, 1, "factor", "", "Planes", "Drawn light: how much the world's light tells the sides of things apart. Tops are lightest, sides toward the lamps lighter than those away from them, also in an evenly lit room")
+FLOAT(facet_angle, FRAME, 0, 0, 180, 0, 90, "angle", "", "Smooth Facets", "Drawn light: flat-shaded faces that bend by less than this are lit as one smooth surface, so that shade and highlights have no corners where no line is. 0: as they are shaded")
 INT(flat_colors, SURFACE, 0, 0, 64, 0, 32, "", "layer_source=ENCRE", "Flat Colors", "Most colors that an image on a surface may have: it becomes flat areas, without painted shade and grain. 0: images stay as they are")
 INT(sky_colors, FRAME, 16, 0, 64, 0, 32, "", "", "Sky Colors", "Most colors of a picture of the sky behind the scene: it becomes flat shapes, as a painted backdrop. Light and reflections come from the whole picture. 0: it stays as it is")
 ENUM(light_denoise, FRAME, 0, "layer_source=CYCLES", "Denoise", "How noise is taken out of rendered light, gloss, glass and mirrors before Encre draws",

@@ -14,7 +14,7 @@ static int corners_of(const encre_mesh *mesh)
 	return mesh->kind == ENCRE_TRIANGLES ? 3 : 2;
 }
 
-static int32_t check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
+int32_t geometry_check_mesh(const encre_mesh *mesh, int number, char *error, size_t size)
 {
 	if (mesh->kind < ENCRE_TRIANGLES || mesh->kind > ENCRE_LINES)
 		return refuse(error, size, "mesh %d: kind %d is not known; give ENCRE_TRIANGLES or ENCRE_LINES", number,
@@ -63,7 +63,7 @@ int32_t geometry_check(geometry *g, char *error, size_t size)
 			      (int)job->n_meshes);
 	int64_t n = 0;
 	for (int i = 0; i < job->n_meshes; i++) {
-		int32_t code = check_mesh(job->meshes + i, i, error, size);
+		int32_t code = geometry_check_mesh(job->meshes + i, i, error, size);
 		if (code)
 			return code;
 		n += job->meshes[i].n_primitives;

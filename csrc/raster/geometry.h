@@ -31,6 +31,8 @@ typedef struct geometry {
 } geometry;
 
 /* Checks camera and meshes, and counts the primitives. Returns ENCRE_OK, or ENCRE_ERROR_ARGUMENT and a sentence. */
+/* One mesh, by the number that it is called in messages. */
+int32_t geometry_check_mesh(const encre_mesh *mesh, int number, char *error, size_t size);
 int32_t geometry_check(geometry *g, char *error, size_t size);
 /* Fills `parts` and `eye`. */
 void geometry_aim(geometry *g);

@@ -171,6 +171,12 @@ def measured(light, where):
     return light.sum(), np.array(middle), 2 * np.sqrt(bright.sum() / np.pi)
 
 
+def test_facets_are_lit_as_one_smooth_surface(render):
+    flat, smoothed, smooth = (render("facets").passes(name)["Normal"] for name in ("flat", "smoothed", "smooth"))
+    np.testing.assert_allclose(smoothed, smooth, atol=1e-5)
+    assert (np.abs(smoothed - flat).max(-1) > 0.05).sum() > 1000
+
+
 @pytest.mark.slow
 def test_highlights_are_where_cycles_has_them_and_as_large_and_bright(render):
     shot = render("highlights")

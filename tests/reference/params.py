@@ -112,12 +112,13 @@ DEFAULTS = {
     "print_least": 0.06,
     # read before the layers reach the stages
     "object_index": "AUTO", "shade_light": "ALL", "layer_source": "CYCLES", "light_source": "CYCLES",
-    "world_shadows": False, "world_planes": 0.0, "flat_colors": 0, "sky_colors": 16, "light_denoise": "OIDN",
+    "world_shadows": False, "world_planes": 0.0, "facet_angle": 0.0, "flat_colors": 0, "sky_colors": 16,
+    "light_denoise": "OIDN",
     "save_layers": "AUTO", "save_rest": "AUTO",
 }
 
-ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_shadows", "world_planes", "flat_colors",
-          "sky_colors", "light_denoise", "save_layers", "save_rest"}
+ENGINE = {"object_index", "shade_light", "layer_source", "light_source", "world_shadows", "world_planes", "facet_angle",
+          "flat_colors", "sky_colors", "light_denoise", "save_layers", "save_rest"}
 SWITCHES = ("use_lines", "use_shading", "use_smudging", "use_hatching", "use_tones", "use_rim", "use_wash",
             "use_gouache", "use_specks", "use_print", "use_relief")
 

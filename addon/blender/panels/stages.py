@@ -89,7 +89,8 @@ GROUPS = (
         Fold("hatch", n_("Pencil Hatching"), stage="hatch"), Fold("relief", n_("Sheet"), stage="relief")),
           draw=papers.draw),
     Group("layers", n_("Layers and Quality"), ("layers",),
-          ("layer_source", "light_source", "supersample", "world_shadows", "world_planes"), draw=layers.draw),
+          ("layer_source", "light_source", "supersample", "world_shadows", "world_planes", "facet_angle"),
+          draw=layers.draw),
     Group("detectors", n_("Detectors of the Theses"), (), (
         "edge_detector", "edge_threshold", "edge_blur", "depth_space", "depth_near", "depth_far",
         "sobel_crease_threshold", "color_layer", "color_detector", "contrast_metric",

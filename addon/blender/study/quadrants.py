@@ -81,7 +81,7 @@ class _Both:
         return {chosen: pixels for settings in self.of for chosen, pixels in settings.load(read).items()}
 
     def __getattr__(self, name):
-        if not name.startswith("wants_") and name not in ("shadows_world", "planes"):
+        if not name.startswith("wants_") and name not in ("shadows_world", "planes", "facets"):
             raise AttributeError(name)
         return max(getattr(settings, name) for settings in self.of)
 

@@ -367,6 +367,24 @@ def photograph_behind(out):
     fact("film", [render.film_transparent, render.use_border])
 
 
+def facets(out):
+    """A tube of sixteen flat sides: as it is, lit as one smooth surface, and shaded smoothly."""
+    scene = stage()
+    shape, mesh = bmesh.new(), bpy.data.meshes.new("Tube")
+    bmesh.ops.create_cone(shape, cap_ends=False, segments=16, radius1=0.8, radius2=0.8, depth=2)
+    shape.to_mesh(mesh)
+    shape.free()
+    tube = link("Tube", mesh)
+    tube.location = (0, 0, 1)
+    scene.encre.layer_source = "ENCRE"
+    shoot(out, "flat")
+    scene.encre.facet_angle = 35
+    shoot(out, "smoothed")
+    mesh.polygons.foreach_set("use_smooth", [True] * 16)
+    scene.encre.facet_angle = 0
+    shoot(out, "smooth")
+
+
 def flat_mirror(out):
     """A mirror behind the things, by both, and as one of glass, which reflects nothing but the sky."""
     scene = stage(samples=16)
