@@ -13,7 +13,7 @@ import exr
 import numpy as np
 import pytest
 from encre.cli import composite
-from judge import measure, meshes, scenes, verdict
+from judge import fresh, kinds, measure, meshes, scenes, thin, unseen, verdict
 from judge.camera import look
 
 pytestmark = pytest.mark.slow
@@ -70,19 +70,17 @@ def scene(request):
     return meshes.MeshScene(CAMERAS[request.param], [floor, block, ball], SIZE)
 
 
-@pytest.fixture(scope="module")
-def draw(scene, tmp_path_factory):
-    """draw(detector, thickness): T of lines drawn on one and the same render."""
-    folder = tmp_path_factory.mktemp("rendered")
-    camera = scene.camera
-    told = {"meshes": {f"Mesh {k}": (m.points.tolist(), m.faces, m.color, len(m.faces) > 6)
+def rendered(scene, folder, *more, smooth=False):
+    """draw(detector, thickness): T of lines drawn on one and the same render of a judge's scene."""
+    camera, frame = scene.camera, folder / "frame.exr"
+    told = {"meshes": {f"Mesh {k}": (m.points.tolist(), [list(map(int, face)) for face in m.faces],
+                                     [float(c) for c in m.color], len(m.faces) > 6 and smooth)
                        for k, m in enumerate(scene.solids)},
             "eye": camera.eye.tolist(), "view": camera.view.tolist(), "focal": camera.focal, "height": camera.height,
-            "size": SIZE}
+            "size": scene.size}
     (folder / "scene.json").write_text(json.dumps(told))
     (folder / "scene.py").write_text(SCENE)
-    frame = folder / "frame.exr"
-    blenders.encre("bpy", folder, "render", folder / "scene.py", "-o", frame)
+    blenders.encre("bpy", folder, "render", folder / "scene.py", "-o", frame, *more)
 
     @functools.cache
     def draw(detector, thickness):
@@ -92,10 +90,15 @@ def draw(scene, tmp_path_factory):
     return draw
 
 
-def judged(draw, truth, detector="FINE"):
+@pytest.fixture(scope="module")
+def draw(scene, tmp_path_factory):
+    return rendered(scene, tmp_path_factory.mktemp("rendered"), smooth=True)
+
+
+def judged(draw, truth, detector="FINE", widest=None):
     """{promise: value}"""
     found = verdict.lines(draw(detector, 1.0), truth)
-    return found | {f"width {asked}": measure.width(draw(detector, float(asked)), truth, asked)
+    return found | {f"width {asked}": measure.width(draw(detector, float(asked)), truth, asked, widest)
                     for asked in (1, 2, 4, 8)}
 
 
@@ -128,3 +131,19 @@ def test_a_contour_too_many_or_too_few_is_noticed(scene, draw):
 def test_dog_breaks_them(scene, draw):
     found = broken(judged(draw, scene.truth, "DOG"))
     assert {"place p95", "width 1", "evenness"} <= found.keys()
+
+
+MESHES = kinds.MESHES | unseen.MESHES | fresh.MESHES
+ONE_PLANE = {"coincident", "keyboard"}  # of faces in one plane Cycles shows one, and meshes tell of another
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", sorted(MESHES.keys() - ONE_PLANE))
+def test_by_cycles_no_scene_of_meshes_breaks_more_than_by_fast(name, tmp_path):
+    scene = MESHES[name]()
+    if not isinstance(scene, meshes.MeshScene):
+        pytest.skip("cut out by alpha")
+    widest = functools.partial(thin.widest, scene)
+    fast, cycles = (broken(judged(rendered(scene, tmp_path, "--set", f"layer_source={source}"), scene.truth,
+                                  widest=widest)) for source in ("ENCRE", "CYCLES"))
+    assert cycles == pytest.approx(fast, abs=2e-3)
