@@ -109,7 +109,7 @@ def _of_mesh(mesh, separate, light, maps, sources, anchored, unwrapped, bent, fa
     normals = None if normals is None else normals[loops]
     rest = _rest(mesh, points, loops, corners, bent) if anchored else None
     rest_normals = normals if rest is None else _smooth(mesh, rest, corners, face)
-    if light and facets > 0:
+    if light and facets > 0 and (mesh.has_custom_normals or not get(mesh.polygons, "use_smooth", bool).all()):
         normals = library.load().smooth(points, corners, normals, facets)
     uvs = _uvs(mesh, "") if unwrapped else None
     return Triangles(points, corners, material, _painted(mesh, loops, corners, face), part, n_parts,
