@@ -4,26 +4,13 @@
  * was cut into triangles. A corner that is alone has its facet's own normal. */
 #include "raster/facets.h"
 #include "base/arena.h"
+#include "base/pixel.h"
 #include "raster/topology.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
-
-static uint32_t root_of(uint32_t *first, uint32_t c)
-{
-	while (first[c] != c)
-		c = first[c] = first[first[c]];
-	return c;
-}
-
-static void join(uint32_t *first, uint32_t a, uint32_t b)
-{
-	a = root_of(first, a);
-	b = root_of(first, b);
-	first[a > b ? a : b] = a < b ? a : b;
-}
 
 static const float *point_of(const encre_mesh *mesh, uint32_t corner)
 {
@@ -60,26 +47,21 @@ static uint32_t next_of(uint32_t corner)
 	return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
 
-static bool same_place(const float *p, const float *q)
-{
-	return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
-}
-
 /* Both ends of the edge that begins at the corner, if it runs between two facets that look to the same side. */
 static void join_over(const encre_mesh *mesh, const topology *t, uint32_t c, double least, const uint8_t *flat,
 		      uint32_t *first)
 {
 	uint32_t d = t->next[c];
 	if (!(t->first[c / 3] >> c % 3 & 1) || d == NO_CORNER || t->next[d] != NO_CORNER || !flat[c / 3] ||
-	    !flat[d / 3] || !same_place(point_of(mesh, c), point_of(mesh, next_of(d))))
+	    !flat[d / 3] || !topology_same_place(mesh, topology_point(mesh, c), topology_point(mesh, next_of(d))))
 		return;
 	double a[3], b[3];
 	across(mesh, c / 3, a);
 	across(mesh, d / 3, b);
 	if (!(cosine(a, b) > least))
 		return;
-	join(first, c, next_of(d));
-	join(first, next_of(c), d);
+	topology_unite(first, c, next_of(d));
+	topology_unite(first, next_of(c), d);
 }
 
 /* Whether the normals at a triangle's corners are one, within 3 degrees, and nearly its own, within 15: files that know
@@ -109,7 +91,8 @@ static void at_corner(const encre_mesh *mesh, uint32_t c, double n[3])
 		v[k] = (double)r[k] - p[k];
 	}
 	across(mesh, c / 3, n);
-	double length = sqrt(dot(n, n)), share = length > 0 ? atan2(length, dot(u, v)) / length : 0;
+	double length = sqrt(dot(n, n)), along = dot(u, v), longest = length > fabs(along) ? length : fabs(along);
+	double share = length > 0 ? pixel_atan2((float)(length / longest), (float)(along / longest)) / length : 0;
 	for (int k = 0; k < 3; k++)
 		n[k] *= share;
 }
@@ -126,7 +109,7 @@ static void add(const encre_mesh *mesh, const uint8_t *flat, uint32_t *first, fl
 			continue;
 		at_corner(mesh, c, n);
 		for (size_t k = 0; k < 3; k++)
-			normals[3 * (size_t)root_of(first, c) + k] += (float)n[k];
+			normals[3 * (size_t)topology_root(first, c) + k] += (float)n[k];
 	}
 }
 
@@ -167,15 +150,16 @@ int32_t facets_smooth(const encre_mesh *mesh, float angle, float *normals)
 	for (uint32_t i = 0; i < triangles; i++)
 		flat[i] = is_facet(mesh, i);
 	for (uint32_t c = 0; c < corners; c++)
-		join_over(mesh, &t, c, cos((double)angle), flat, first);
+		join_over(mesh, &t, c, (double)pixel_cos(angle), flat, first);
 	add(mesh, flat, first, normals);
 	for (uint32_t c = 0; c < corners; c++) {
 		if (!flat[c / 3])
 			continue;
-		if (root_of(first, c) == c)
+		if (topology_root(first, c) == c)
 			set_length(normals + 3 * (size_t)c);
 		else /* before it, and done */
-			memcpy(normals + 3 * (size_t)c, normals + 3 * (size_t)root_of(first, c), 3 * sizeof *normals);
+			memcpy(normals + 3 * (size_t)c, normals + 3 * (size_t)topology_root(first, c),
+			       3 * sizeof *normals);
 	}
 	free(memory);
 	return ENCRE_OK;

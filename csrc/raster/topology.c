@@ -18,18 +18,12 @@ typedef struct edge_list {
 	int32_t *same; /* by point: itself, or one before it that stands for it too; NULL: all stand for themselves */
 } edge_list;
 
-static inline bool same_place(const encre_mesh *mesh, int32_t a, int32_t b)
-{
-	const float *p = mesh->points + 3 * (size_t)a, *q = mesh->points + 3 * (size_t)b;
-	return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
-}
-
 /* A triangle with two corners at one place is none, and has no edges. */
 static inline bool is_flat(const encre_mesh *mesh, uint32_t i)
 {
 	int32_t a = topology_point(mesh, 3 * i), b = topology_point(mesh, 3 * i + 1),
 		c = topology_point(mesh, 3 * i + 2);
-	return same_place(mesh, a, b) || same_place(mesh, b, c) || same_place(mesh, c, a);
+	return topology_same_place(mesh, a, b) || topology_same_place(mesh, b, c) || topology_same_place(mesh, c, a);
 }
 
 static inline int32_t first_at(const edge_list *list, int32_t point)
@@ -47,7 +41,7 @@ static void find_same(const encre_mesh *mesh, edge_list *list)
 	for (uint32_t i = 0; i < (uint32_t)mesh->n_primitives; i++)
 		for (uint32_t k = 0; is_flat(mesh, i) && k < 3; k++) {
 			int32_t a = topology_point(mesh, 3 * i + k), b = topology_point(mesh, 3 * i + (k + 1) % 3);
-			if (!same_place(mesh, a, b))
+			if (!topology_same_place(mesh, a, b))
 				continue;
 			for (int32_t p = 0; !list->same && p < mesh->n_points; p++)
 				same[p] = p;
@@ -220,27 +214,13 @@ static bool weld(const encre_mesh *mesh, topology *t)
 		if (c == NO_CORNER || d >= many)
 			continue;
 		t->next[c] = d;
-		t->first[d / 3] &= (uint8_t)~(1u << d % 3);
+		t->first[d / 3] &= (uint8_t) ~(1u << d % 3);
 	}
 	free(w.one);
 	return true;
 }
 
 /* ---- pieces ------------------------------------------------------------------------------------------------ */
-
-static uint32_t root_of(uint32_t *above, uint32_t point)
-{
-	while (above[point] != point)
-		point = above[point] = above[above[point]];
-	return point;
-}
-
-static void unite(uint32_t *above, uint32_t a, uint32_t b)
-{
-	a = root_of(above, a);
-	b = root_of(above, b);
-	above[a > b ? a : b] = a < b ? a : b;
-}
 
 static bool find_pieces(const encre_mesh *mesh, topology *t)
 {
@@ -254,12 +234,12 @@ static bool find_pieces(const encre_mesh *mesh, topology *t)
 	}
 	for (uint32_t c = 0; c < 3 * n; c++) {
 		uint32_t point = (uint32_t)topology_point(mesh, c);
-		unite(above, (uint32_t)topology_point(mesh, c / 3 * 3), point);
+		topology_unite(above, (uint32_t)topology_point(mesh, c / 3 * 3), point);
 		if (t->next[c] != NO_CORNER) /* of a weld one end is enough */
-			unite(above, point, (uint32_t)topology_point(mesh, t->next[c]));
+			topology_unite(above, point, (uint32_t)topology_point(mesh, t->next[c]));
 	}
 	for (uint32_t i = 0; i < n; i++) {
-		uint32_t root = root_of(above, (uint32_t)topology_point(mesh, 3 * i));
+		uint32_t root = topology_root(above, (uint32_t)topology_point(mesh, 3 * i));
 		if (first[root] == UINT32_MAX)
 			first[root] = i;
 		t->piece[i] = first[root];

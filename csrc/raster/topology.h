@@ -7,6 +7,7 @@
 #include "encre.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #define NO_CORNER UINT32_MAX
 
@@ -22,6 +23,28 @@ typedef struct topology {
 static inline int32_t topology_point(const encre_mesh *mesh, uint32_t corner)
 {
 	return mesh->corners ? mesh->corners[corner] : (int32_t)corner;
+}
+
+static inline bool topology_same_place(const encre_mesh *mesh, int32_t a, int32_t b)
+{
+	const float *p = mesh->points + 3 * (size_t)a, *q = mesh->points + 3 * (size_t)b;
+	return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+}
+
+/* What stands for all that is united with it: the least, found by ways that are halved as they are walked. At first
+ * each stands for itself. */
+static inline uint32_t topology_root(uint32_t *above, uint32_t of)
+{
+	while (above[of] != of)
+		of = above[of] = above[above[of]];
+	return of;
+}
+
+static inline void topology_unite(uint32_t *above, uint32_t a, uint32_t b)
+{
+	a = topology_root(above, a);
+	b = topology_root(above, b);
+	above[a > b ? a : b] = a < b ? a : b;
 }
 
 /* Fills the three arrays. False without memory, of which it takes 12 bytes a triangle and 16 a point for a
