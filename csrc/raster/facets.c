@@ -118,7 +118,8 @@ static void set_length(float *n)
 	double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
 	if (!(length > 0 && length < INFINITY)) { /* a triangle without an area */
 		n[0] = n[1] = 0;
-		n[2] = length = 1;
+		n[2] = 1;
+		length = 1;
 	}
 	for (int k = 0; k < 3; k++)
 		n[k] = (float)(n[k] / length);
