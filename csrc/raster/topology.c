@@ -214,7 +214,7 @@ static bool weld(const encre_mesh *mesh, topology *t)
 		if (c == NO_CORNER || d >= many)
 			continue;
 		t->next[c] = d;
-		t->first[d / 3] &= (uint8_t) ~(1u << d % 3);
+		t->first[d / 3] &= (uint8_t)~(1u << d % 3);
 	}
 	free(w.one);
 	return true;
