@@ -481,11 +481,11 @@ typedef struct encre_chain_job {
  * number of threads. */
 ENCRE_API int32_t encre_chains(encre_context *context, encre_chain_job *job);
 
-/* Unit normals of facets as of one smooth surface: at each corner the mean, by angle, of the facets around its point
- * that hang together by edges at which they bend by less than `angle` (0 to pi radians). A facet is a triangle that has
- * one normal, within 3 degrees, and nearly its own, within 15; points at one place count as one where two facets meet
- * there, and no third. mesh: of triangles, whose `normals` are read, NULL: all are facets. normals (n_primitives, 3,
- * 3), in object space: those of other triangles are the mesh's. */
+/* Unit normals of facets as of one smooth surface: at each corner the mean, by area and angle, of the facets around its
+ * point that hang together by edges at which they bend by less than `angle` (0 to pi radians). A facet is a triangle
+ * that has one normal, within 3 degrees, and nearly its own, within 15; points at one place count as one where two
+ * facets meet there, and no third. mesh: of triangles, whose `normals` are read, NULL: all are facets. normals
+ * (n_primitives, 3, 3), in object space: those of other triangles are the mesh's. */
 ENCRE_API int32_t encre_smooth(encre_context *context, const encre_mesh *mesh, float angle, float *normals);
 
 /* ---- light ----------------------------------------------------------------------------------------------- */

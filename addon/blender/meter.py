@@ -70,7 +70,7 @@ def _with_shade(full, told, ambient, things, drawn):
     if got is None:
         return full, 0.0
     shade, most = min(got.shade, got.full / _FLAT), max(got.full, got.shade)
-    if got.sky:
+    if got.sky and most > 0:
         unfaced = np.clip((_FACED - most / full) / (_FACED - _UNFACED), 0, 1)
         full += float(unfaced) * (most / _BRIGHT - full)
     if shade > _PALE * full:

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Corners at one point belong together if their facets hang together around it by edges that bend little: the first of
- * them stands for all, as in topology.c. Each counts by its angle, as in Blender, so that it does not matter how a face
+ * them stands for all, as in topology.c. Each counts by its area and its angle, so that it hardly matters how a face
  * was cut into triangles. A corner that is alone has its facet's own normal. */
 #include "raster/facets.h"
 #include "base/arena.h"
@@ -81,7 +81,7 @@ static bool is_facet(const encre_mesh *mesh, uint32_t i)
 	return one;
 }
 
-/* A facet's normal as long as its angle at the corner. */
+/* A facet's normal as long as its area times its angle at the corner: a board beside its bevel stays a plane. */
 static void at_corner(const encre_mesh *mesh, uint32_t c, double n[3])
 {
 	const float *p = point_of(mesh, c), *q = point_of(mesh, next_of(c)), *r = point_of(mesh, next_of(next_of(c)));
@@ -92,7 +92,7 @@ static void at_corner(const encre_mesh *mesh, uint32_t c, double n[3])
 	}
 	across(mesh, c / 3, n);
 	double length = sqrt(dot(n, n)), along = dot(u, v), longest = length > fabs(along) ? length : fabs(along);
-	double share = length > 0 ? pixel_atan2((float)(length / longest), (float)(along / longest)) / length : 0;
+	double share = length > 0 ? pixel_atan2((float)(length / longest), (float)(along / longest)) : 0;
 	for (int k = 0; k < 3; k++)
 		n[k] *= share;
 }

@@ -46,6 +46,16 @@ def test_what_is_shaded_flat_by_its_normals_is_a_facet_and_what_is_turned_is_not
                                atol=1e-6)
 
 
+def test_a_board_stays_a_plane_beside_its_bevel():
+    square = np.float32([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    points = np.concatenate([np.insert(square, 2, 0, 1), np.insert(1.05 * square, 2, -0.02, 1)])  # 22 degrees
+    corners = np.int32([(0, 1, 2), (0, 2, 3), *((k, k + 4, (k + 1) % 4 + 4) for k in range(4)),
+                        *((k, (k + 1) % 4 + 4, (k + 1) % 4) for k in range(4))])
+    told = smooth(points, corners, 35)
+    np.testing.assert_allclose(told[:2], np.broadcast_to([0, 0, 1], (2, 3, 3)), atol=0.02)
+    assert (told[2:6, 1, 2] < 0.97).all(), "and its bevel turns to the side"
+
+
 def test_edges_of_three_faces_and_faces_that_look_apart_stay():
     points = np.float32([(0, 0, 0), (0, 1, 0), (1, 0, 0.1), (-1, 0, 0.1), (-1, 0, -0.1)])
     fan = np.int32([(0, 2, 1), (0, 1, 3), (0, 1, 4)])
